@@ -1,0 +1,39 @@
+# Everything goes into .venv; each target installs what it needs first.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+BUILD := build
+# With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
+VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
+
+.PHONY: install live test check bench picture clean
+
+install: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Echelon needs Python 3.11 or newer; try: make $(MAKECMDGOALS) PYTHON=python3.12"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+live: install
+	@mkdir -p $(BUILD)
+	$(BIN)/echelon live paper --view $(VIEW) --record $(BUILD)/live.mcap --report $(BUILD)/report
+
+test: install
+	$(BIN)/python -m pytest $(ARGS)
+
+check: install
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+bench: install
+	@mkdir -p $(BUILD)
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) $(BUILD) *.egg-info

@@ -1,0 +1,1 @@
+"""Formation control: geometry, motion, sliding modes, estimation. Pure functions and values."""

@@ -1,0 +1,67 @@
+"""From a wanted acceleration to a velocity command that motors with a lag can follow."""
+
+from dataclasses import dataclass
+from math import exp, isfinite
+
+from control.errors import ControlError
+from control.relative import Vector2
+from control.unicycle import SpeedLimits, Twist
+
+
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """What is known of a robot's motors, and what may be asked of them.
+
+    Attributes:
+        lag: time constant with which velocities follow commands, > 0 [s].
+        limits: greatest commanded speeds [m/s, rad/s].
+        v_rate_limit: greatest forward acceleration asked for, > 0 [m/s^2].
+        omega_rate_limit: greatest angular acceleration asked for, > 0 [rad/s^2].
+
+    Raises:
+        ControlError: if the lag or a limit is not positive.
+    """
+
+    lag: float = 0.05
+    limits: SpeedLimits = SpeedLimits(1.5, 15.0)  # noqa: RUF009 (immutable)
+    v_rate_limit: float = 10.0
+    omega_rate_limit: float = 200.0
+
+    def __post_init__(self) -> None:
+        if not (self.lag > 0.0 and self.v_rate_limit > 0.0 and self.omega_rate_limit > 0.0):
+            raise ControlError(
+                f"motor lag and acceleration limits must be > 0, got {self.lag} s, "
+                f"{self.v_rate_limit} m/s^2, {self.omega_rate_limit} rad/s^2"
+            )
+
+    def command(self, own: Twist, acceleration: Vector2, dt: float) -> tuple[Twist, Vector2]:
+        """The command under which the lagged velocities change by dt times the acceleration.
+
+        Args:
+            own: velocities when the command takes effect [m/s, rad/s].
+            acceleration: wanted forward and angular acceleration [m/s^2, rad/s^2].
+            dt: period for which the command holds [s].
+
+        Returns:
+            The command within the limits, and the acceleration it really gives
+            [m/s, rad/s; m/s^2, rad/s^2].
+        """
+        u1 = max(-self.v_rate_limit, min(self.v_rate_limit, acceleration[0]))
+        u2 = max(-self.omega_rate_limit, min(self.omega_rate_limit, acceleration[1]))
+        share = (1.0 - exp(-dt / self.lag)) / dt  # of the gap to the command, closed per second
+        command = self.limits.saturate(Twist(own.v + u1 / share, own.omega + u2 / share))
+        return command, ((command.v - own.v) * share, (command.omega - own.omega) * share)
+
+
+def require_finite(what: str, *values: float) -> None:
+    """Refuse numbers that are no numbers, before a law spreads them.
+
+    Args:
+        what: name of the values for the message.
+        *values: numbers to check.
+
+    Raises:
+        ControlError: if one of them is infinite or not a number.
+    """
+    if not isfinite(sum(values)) and not all(map(isfinite, values)):
+        raise ControlError(f"{what}: not finite: {', '.join(f'{value:g}' for value in values)}")

@@ -1,0 +1,198 @@
+"""Who follows whom, and in which shape: pairs, time-varying references, the tree they form."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import tanh
+
+from control.command import RobotId
+from control.errors import ControlError
+
+
+@dataclass(frozen=True, slots=True)
+class ShapeReference:
+    """Wanted relative configuration h^d of a follower at one moment, with derivatives.
+
+    Attributes:
+        distance: l_ik^d [m].
+        bearing: psi_ik^d in the convention of (7) [rad].
+        distance_rate: first derivative of the distance [m/s].
+        bearing_rate: first derivative of the bearing [rad/s].
+        distance_acceleration: second derivative of the distance [m/s^2].
+        bearing_acceleration: second derivative of the bearing [rad/s^2].
+    """
+
+    distance: float
+    bearing: float
+    distance_rate: float = 0.0
+    bearing_rate: float = 0.0
+    distance_acceleration: float = 0.0
+    bearing_acceleration: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class TanhStep:
+    """A smooth step: (before + after)/2 + (after - before)/2 tanh(rate (time - t)).
+
+    Attributes:
+        before: value long before the step [m or rad].
+        after: value long after the step [m or rad].
+        t: middle of the step [s].
+        rate: steepness [1/s].
+    """
+
+    before: float
+    after: float
+    t: float = 0.0
+    rate: float = 10.0
+
+    def at(self, t: float) -> tuple[float, float, float]:
+        """Value and its first two derivatives.
+
+        Args:
+            t: time on the mission's clock [s].
+
+        Returns:
+            Value, first and second derivative [m or rad, per s, per s^2].
+        """
+        half = 0.5 * (self.after - self.before)
+        th = tanh(self.rate * (t - self.t))
+        slope = half * self.rate * (1.0 - th * th)
+        value = 0.5 * (self.after + self.before) + half * th
+        return value, slope, -2.0 * self.rate * th * slope
+
+    @classmethod
+    def constant(cls, value: float) -> "TanhStep":
+        """A value that never changes.
+
+        Args:
+            value: the value [m or rad].
+
+        Returns:
+            A step from the value to itself.
+        """
+        return cls(value, value)
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """Wanted place of a follower about its leader as a function of time.
+
+    Attributes:
+        distance: l_ik^d over time [m].
+        bearing: psi_ik^d over time, convention of (7) [rad].
+    """
+
+    distance: TanhStep
+    bearing: TanhStep
+
+    def at(self, t: float) -> ShapeReference:
+        """Reference with derivatives at one moment.
+
+        Args:
+            t: time on the mission's clock [s].
+
+        Returns:
+            Distance and bearing with two derivatives each.
+        """
+        l, dl, ddl = self.distance.at(t)  # noqa: E741 (the paper's l)
+        psi, dpsi, ddpsi = self.bearing.at(t)
+        return ShapeReference(l, psi, dl, dpsi, ddl, ddpsi)
+
+    @property
+    def changes(self) -> tuple[float, ...]:
+        """Times at which the shape changes, ascending [s]."""
+        steps = (self.distance, self.bearing)
+        return tuple(sorted({step.t for step in steps if step.before != step.after}))
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """One leader-follower pair.
+
+    Attributes:
+        leader: id of robot i.
+        follower: id of robot k.
+        shape: where k is to be about i.
+    """
+
+    leader: RobotId
+    follower: RobotId
+    shape: Shape
+
+
+@dataclass(frozen=True, slots=True)
+class Formation:
+    """A tree of pairs under one leader of the formation.
+
+    Attributes:
+        pairs: kept leaders first: a robot appears as follower before it appears as leader.
+
+    Raises:
+        ControlError: if there is no pair, a robot has two leaders, follows itself, the pairs form
+            a cycle, or there is more than one robot without a leader. The message names them.
+    """
+
+    pairs: tuple[Pair, ...]
+
+    def __post_init__(self) -> None:
+        if not self.pairs:
+            raise ControlError("a formation needs at least one pair")
+        object.__setattr__(self, "pairs", _leaders_first(self.pairs))
+
+    @property
+    def root(self) -> RobotId:
+        """The leader of the whole formation."""
+        return self.pairs[0].leader
+
+    @property
+    def robots(self) -> tuple[RobotId, ...]:
+        """All robots, leaders before their followers."""
+        return (self.root, *(pair.follower for pair in self.pairs))
+
+    def followers_of(self, robot_id: RobotId) -> tuple[RobotId, ...]:
+        """All robots that follow a robot, directly or through others.
+
+        Args:
+            robot_id: the robot.
+
+        Returns:
+            Ids, leaders before their followers; empty if nobody follows it.
+        """
+        found: list[RobotId] = [robot_id]
+        found += [pair.follower for pair in self._below(found)]
+        return tuple(found[1:])
+
+    def _below(self, found: list[RobotId]) -> Iterator[Pair]:
+        """Pairs whose leader is found, found growing while the caller takes them."""
+        known = set(found)
+        for pair in self.pairs:
+            if pair.leader in known:
+                known.add(pair.follower)
+                yield pair
+
+
+def _leaders_first(pairs: tuple[Pair, ...]) -> tuple[Pair, ...]:
+    followers = [pair.follower for pair in pairs]
+    twice = sorted({str(robot) for robot in followers if followers.count(robot) > 1})
+    if twice:
+        raise ControlError(f"robots with more than one leader: {', '.join(twice)}")
+    roots = list(dict.fromkeys(p.leader for p in pairs if p.leader not in followers))
+    if len(roots) > 1:
+        names = ", ".join(str(robot) for robot in roots)
+        raise ControlError(f"a formation has one leader without a leader, found: {names}")
+    ordered = _reachable(pairs, roots)
+    if len(ordered) < len(pairs):
+        lost = ", ".join(str(p.follower) for p in pairs if p not in ordered)
+        raise ControlError(f"robots that follow each other in a circle: {lost}")
+    return ordered
+
+
+def _reachable(pairs: tuple[Pair, ...], roots: list[RobotId]) -> tuple[Pair, ...]:
+    """Pairs under the roots, layer by layer, each layer in the given order."""
+    ordered: list[Pair] = []
+    layer = roots
+    while layer:
+        below = [pair for pair in pairs if pair.leader in layer]
+        ordered += below
+        layer = [pair.follower for pair in below]
+    return tuple(ordered)

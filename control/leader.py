@@ -1,0 +1,259 @@
+"""The formation's leader: its planned path and the first-order law that tracks it."""
+
+from dataclasses import dataclass
+from math import cos, sin
+
+from control.actuation import Actuation, require_finite
+from control.errors import ControlError
+from control.geometry import Pose2D
+from control.relative import Vector2
+from control.unicycle import Twist, UnicycleState, advance_pose
+
+
+@dataclass(frozen=True, slots=True)
+class PathSegment:
+    """A piece of a path with constant curvature.
+
+    Attributes:
+        length: along the path, > 0 [m].
+        curvature: 1/radius, positive to the left, 0 straight [1/m].
+    """
+
+    length: float
+    curvature: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMotion:
+    """Wanted motion of the leader at one moment.
+
+    Attributes:
+        state: wanted pose and velocities [m, m, rad, m/s, rad/s].
+        v_rate: wanted forward acceleration [m/s^2].
+        omega_rate: wanted angular acceleration [rad/s^2].
+    """
+
+    state: UnicycleState
+    v_rate: float
+    omega_rate: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedPath:
+    """A path of arcs and straight lines, driven with a ramp of speed and then at cruise speed.
+
+    Behind the last segment the path goes on with that segment's curvature: a robot never stands
+    still unasked. At the joints the curvature jumps; omega_rate ignores the jump.
+
+    Attributes:
+        start: pose at t = 0 [m, m, rad].
+        segments: pieces in driving order, at least one.
+        cruise_speed: speed after the ramp [m/s].
+        start_speed: speed at t = 0 [m/s].
+        ramp_time: duration of the ramp, >= 0 [s].
+
+    Raises:
+        ControlError: if there is no segment, a length is not positive, or ramp_time is negative.
+    """
+
+    start: Pose2D
+    segments: tuple[PathSegment, ...]
+    cruise_speed: float
+    start_speed: float = 0.0
+    ramp_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.segments or any(not segment.length > 0.0 for segment in self.segments):
+            raise ControlError("a path needs at least one segment, every length > 0 m")
+        if not self.ramp_time >= 0.0:
+            raise ControlError(f"the ramp of a path must last >= 0 s, got {self.ramp_time} s")
+
+    def at(self, t: float) -> PlannedMotion:
+        """Wanted motion at a time, in closed form.
+
+        Args:
+            t: time on the mission's clock; before 0 the motion of 0 is given [s].
+
+        Returns:
+            Wanted state and accelerations; the heading is not wrapped.
+        """
+        way, v, v_rate = self._progress(max(t, 0.0))
+        pose, curvature = self._place(way)
+        state = UnicycleState(pose.x, pose.y, pose.theta, v, v * curvature)
+        return PlannedMotion(state, v_rate, v_rate * curvature)
+
+    def _progress(self, t: float) -> tuple[float, float, float]:
+        """Way [m], speed [m/s] and acceleration [m/s^2] at t >= 0."""
+        if t >= self.ramp_time:
+            ramp_way = 0.5 * (self.start_speed + self.cruise_speed) * self.ramp_time
+            return ramp_way + self.cruise_speed * (t - self.ramp_time), self.cruise_speed, 0.0
+        v_rate = (self.cruise_speed - self.start_speed) / self.ramp_time
+        return t * (self.start_speed + 0.5 * v_rate * t), self.start_speed + v_rate * t, v_rate
+
+    def _place(self, way: float) -> tuple[Pose2D, float]:
+        """Pose after a way [m], and the curvature there [1/m]."""
+        pose, last = self.start, self.segments[-1]
+        for segment in self.segments[:-1]:
+            if way < segment.length:
+                last = segment
+                break
+            pose = advance_pose(
+                pose, Twist(segment.length, segment.length * segment.curvature), 1.0
+            )
+            way -= segment.length
+        return advance_pose(pose, Twist(way, way * last.curvature), 1.0), last.curvature
+
+
+@dataclass(frozen=True, slots=True)
+class LeaderGains:
+    """Gains of the leader's first-order integral sliding mode, both floor axes alike.
+
+    Attributes:
+        proportional: K of (16), > 0 [1/s].
+        integral: L of (16), > 0 [1/s^2].
+        reaching: lambda of (19), the disturbance it can reject, > 0 [m/s^2].
+        horizon: in which s is brought to 0, at least the period is used [s].
+        point_offset: from the axle forward to the point that is tracked, d > 0 [m].
+
+    Raises:
+        ControlError: if a gain is not positive.
+    """
+
+    proportional: float = 6.0
+    integral: float = 9.0
+    reaching: float = 3.0
+    horizon: float = 0.1
+    point_offset: float = 0.1
+
+    def __post_init__(self) -> None:
+        gains = (self.proportional, self.integral, self.reaching, self.horizon, self.point_offset)
+        if not min(gains) > 0.0:
+            raise ControlError(f"the leader's gains must be > 0, got {self}")
+
+
+@dataclass(frozen=True, slots=True)
+class LeaderMemory:
+    """What the leader's law carries from sample to sample, in floor axes.
+
+    Attributes:
+        error: e_1 = c^d - c of the point ahead [m, m].
+        integral: d of (17) [m s, m s].
+        sliding: s of (16) [m/s, m/s].
+        fresh: True until the first step.
+    """
+
+    error: Vector2
+    integral: Vector2
+    sliding: Vector2 = (0.0, 0.0)
+    fresh: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class _PointAhead:
+    """Motion of the point c = p + d e(theta) on the floor."""
+
+    position: Vector2
+    velocity: Vector2
+    acceleration: Vector2
+
+
+def begin_leader(state: UnicycleState, planned: PlannedMotion, gains: LeaderGains) -> LeaderMemory:
+    """Memory with s(0) = 0, equation (17): no reaching phase.
+
+    Args:
+        state: predicted state at the first sample.
+        planned: wanted motion at the first sample.
+        gains: K, L and the point's offset.
+
+    Returns:
+        Memory for the step of this same first sample.
+    """
+    (e1, e2), (r1, r2) = _errors(state, planned, gains.point_offset)
+    k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
+    return LeaderMemory((e1, e2), ((-r1 - k * e1) / l, (-r2 - k * e2) / l))
+
+
+def leader_step(
+    memory: LeaderMemory,
+    state: UnicycleState,
+    planned: PlannedMotion,
+    dt: float,
+    gains: LeaderGains,
+    actuation: Actuation,
+) -> tuple[LeaderMemory, Twist]:
+    """One sample of the first-order law, equations (14) and (16)-(19), on the point ahead.
+
+    The output is the point c = p + d e(theta) against the planned c^d; there l and psi of a
+    follower have no counterpart, but G and F do: c'' = G u + F with G = R(theta) diag(1, d).
+    (19) is solved for the end of the horizon, which takes the chatter out of Sign.
+
+    Args:
+        memory: from ``begin_leader`` or the step before.
+        state: predicted state when the command takes effect.
+        planned: wanted motion at that moment.
+        dt: time since the step before, also how long the command will hold, > 0 [s].
+        gains: K, L, lambda.
+        actuation: motor lag and limits.
+
+    Returns:
+        The memory for the next step and the command within the limits [m/s, rad/s].
+
+    Raises:
+        ControlError: if a number is not finite or dt is not positive.
+    """
+    _require_usable(state, planned, dt)
+    error, rate = _errors(state, planned, gains.point_offset)
+    k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
+    integral = _integral(memory, error, dt)
+    s = tuple(rate[j] + k * error[j] + l * integral[j] for j in (0, 1))  # (16)
+    horizon = max(gains.horizon, dt)
+    reach = tuple(max(-gains.reaching, min(gains.reaching, x / horizon)) for x in s)  # (19)
+    wanted = _point(planned.state, planned.v_rate, planned.omega_rate, gains.point_offset)
+    a = tuple(wanted.acceleration[j] + k * rate[j] + l * error[j] + reach[j] for j in (0, 1))
+    u = _input(state, (a[0], a[1]), gains.point_offset)
+    command, _ = actuation.command(state.twist, u, dt)
+    return LeaderMemory(error, integral, (s[0], s[1]), fresh=False), command
+
+
+def _require_usable(state: UnicycleState, planned: PlannedMotion, dt: float) -> None:
+    p = planned.state
+    require_finite("leader's state", state.x, state.y, state.theta, state.v, state.omega)
+    require_finite("plan", p.x, p.y, p.theta, p.v, p.omega, planned.v_rate, planned.omega_rate)
+    if not 0.0 < dt < float("inf"):
+        raise ControlError(f"a step of the leader's law needs dt > 0 s, got {dt} s")
+
+
+def _point(state: UnicycleState, v_rate: float, omega_rate: float, d: float) -> _PointAhead:
+    c, s = cos(state.theta), sin(state.theta)
+    v, w = state.v, state.omega
+    a1, a2 = v_rate - d * w * w, v * w + d * omega_rate  # forward and to the left
+    return _PointAhead(
+        (state.x + d * c, state.y + d * s),
+        (v * c - d * w * s, v * s + d * w * c),
+        (a1 * c - a2 * s, a1 * s + a2 * c),
+    )
+
+
+def _errors(state: UnicycleState, planned: PlannedMotion, d: float) -> tuple[Vector2, Vector2]:
+    """e_1 and e_2 of (11) for the point ahead [m, m/s]."""
+    actual, wanted = _point(state, 0.0, 0.0, d), _point(planned.state, 0.0, 0.0, d)
+    (x, y), (vx, vy) = actual.position, actual.velocity
+    return (
+        (wanted.position[0] - x, wanted.position[1] - y),
+        (wanted.velocity[0] - vx, wanted.velocity[1] - vy),
+    )
+
+
+def _integral(memory: LeaderMemory, error: Vector2, dt: float) -> Vector2:
+    """d of (17), by trapezoids [m s]."""
+    step = 0.0 if memory.fresh else 0.5 * dt
+    (e1, e2), (d1, d2) = memory.error, memory.integral
+    return d1 + step * (e1 + error[0]), d2 + step * (e2 + error[1])
+
+
+def _input(state: UnicycleState, acceleration: Vector2, d: float) -> Vector2:
+    """u of (14): the accelerations that give the point ahead the wanted one."""
+    c, s = cos(state.theta), sin(state.theta)
+    ax, ay = acceleration
+    forward, left = ax * c + ay * s, ay * c - ax * s
+    return forward + d * state.omega**2, (left - state.v * state.omega) / d
