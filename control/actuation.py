@@ -9,6 +9,23 @@ from control.unicycle import SpeedLimits, Twist
 
 
 @dataclass(frozen=True, slots=True)
+class DriveGain:
+    """Velocities a robot reaches per velocity commanded: 1 + Delta_k of (3) through its motors.
+
+    Attributes:
+        v: of the forward velocity [1].
+        omega: of the angular velocity [1].
+    """
+
+    v: float = 1.0
+    omega: float = 1.0
+
+
+NOMINAL_GAIN = DriveGain()
+"""A robot that does as it is told."""
+
+
+@dataclass(frozen=True, slots=True)
 class Actuation:
     """What is known of a robot's motors, and what may be asked of them.
 
@@ -34,13 +51,16 @@ class Actuation:
                 f"{self.v_rate_limit} m/s^2, {self.omega_rate_limit} rad/s^2"
             )
 
-    def command(self, own: Twist, acceleration: Vector2, dt: float) -> tuple[Twist, Vector2]:
+    def command(
+        self, own: Twist, acceleration: Vector2, dt: float, gain: DriveGain = NOMINAL_GAIN
+    ) -> tuple[Twist, Vector2]:
         """The command under which the lagged velocities change by dt times the acceleration.
 
         Args:
             own: velocities when the command takes effect [m/s, rad/s].
             acceleration: wanted forward and angular acceleration [m/s^2, rad/s^2].
             dt: period for which the command holds [s].
+            gain: drive gains, both > 0.
 
         Returns:
             The command within the limits, and the acceleration it really gives
@@ -49,8 +69,10 @@ class Actuation:
         u1 = max(-self.v_rate_limit, min(self.v_rate_limit, acceleration[0]))
         u2 = max(-self.omega_rate_limit, min(self.omega_rate_limit, acceleration[1]))
         share = (1.0 - exp(-dt / self.lag)) / dt  # of the gap to the command, closed per second
-        command = self.limits.saturate(Twist(own.v + u1 / share, own.omega + u2 / share))
-        return command, ((command.v - own.v) * share, (command.omega - own.omega) * share)
+        v, omega = (own.v + u1 / share) / gain.v, (own.omega + u2 / share) / gain.omega
+        command = self.limits.saturate(Twist(v, omega))
+        a1, a2 = gain.v * command.v - own.v, gain.omega * command.omega - own.omega
+        return command, (a1 * share, a2 * share)
 
 
 def require_finite(what: str, *values: float) -> None:

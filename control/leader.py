@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import cos, sin
 
-from control.actuation import Actuation, require_finite
+from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.errors import ControlError
 from control.geometry import Pose2D
 from control.relative import Vector2
@@ -139,12 +139,14 @@ class LeaderMemory:
         error: e_1 = c^d - c of the point ahead [m, m].
         integral: d of (17) [m s, m s].
         sliding: s of (16) [m/s, m/s].
+        acceleration: forward and angular, that the last command gives [m/s^2, rad/s^2].
         fresh: True until the first step.
     """
 
     error: Vector2
     integral: Vector2
     sliding: Vector2 = (0.0, 0.0)
+    acceleration: Vector2 = (0.0, 0.0)
     fresh: bool = True
 
 
@@ -180,6 +182,7 @@ def leader_step(
     dt: float,
     gains: LeaderGains,
     actuation: Actuation,
+    gain: DriveGain = NOMINAL_GAIN,
 ) -> tuple[LeaderMemory, Twist]:
     """One sample of the first-order law, equations (14) and (16)-(19), on the point ahead.
 
@@ -194,6 +197,7 @@ def leader_step(
         dt: time since the step before, also how long the command will hold, > 0 [s].
         gains: K, L, lambda.
         actuation: motor lag and limits.
+        gain: the robot's drive gains.
 
     Returns:
         The memory for the next step and the command within the limits [m/s, rad/s].
@@ -203,16 +207,27 @@ def leader_step(
     """
     _require_usable(state, planned, dt)
     error, rate = _errors(state, planned, gains.point_offset)
-    k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
     integral = _integral(memory, error, dt)
-    s = tuple(rate[j] + k * error[j] + l * integral[j] for j in (0, 1))  # (16)
-    horizon = max(gains.horizon, dt)
-    reach = tuple(max(-gains.reaching, min(gains.reaching, x / horizon)) for x in s)  # (19)
+    k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
+    s = rate[0] + k * error[0] + l * integral[0], rate[1] + k * error[1] + l * integral[1]  # (16)
+    v = _control(s, rate, error, max(gains.horizon, dt), gains)
     wanted = _point(planned.state, planned.v_rate, planned.omega_rate, gains.point_offset)
-    a = tuple(wanted.acceleration[j] + k * rate[j] + l * error[j] + reach[j] for j in (0, 1))
-    u = _input(state, (a[0], a[1]), gains.point_offset)
-    command, _ = actuation.command(state.twist, u, dt)
-    return LeaderMemory(error, integral, (s[0], s[1]), fresh=False), command
+    a = wanted.acceleration[0] - v[0], wanted.acceleration[1] - v[1]
+    u = _input(state, a, gains.point_offset)
+    command, given = actuation.command(state.twist, u, dt, gain)
+    return LeaderMemory(error, integral, s, given, fresh=False), command
+
+
+def _control(
+    s: Vector2, rate: Vector2, error: Vector2, horizon: float, gains: LeaderGains
+) -> Vector2:
+    """v of (18) with (19) solved for the end of the horizon [m/s^2]."""
+    k, l, most = gains.proportional, gains.integral, gains.reaching  # noqa: E741 (the paper's L)
+    r1, r2 = s[0] / horizon, s[1] / horizon
+    return (
+        -k * rate[0] - l * error[0] - max(-most, min(most, r1)),
+        -k * rate[1] - l * error[1] - max(-most, min(most, r2)),
+    )
 
 
 def _require_usable(state: UnicycleState, planned: PlannedMotion, dt: float) -> None:

@@ -4,9 +4,9 @@ It needs the relative configuration (l, psi, theta_ik) and the follower's own ve
 velocity of the leader. Channel 0 is the distance, channel 1 the bearing.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from control.actuation import Actuation, require_finite
+from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.errors import ControlError
 from control.formation import ShapeReference
 from control.geometry import wrap_angle
@@ -17,6 +17,7 @@ from control.relative import (
     apply,
     input_matrix,
     inverse_input_matrix,
+    leader_matrix,
     own_velocity_terms,
 )
 from control.twisting import TwistingGains, twisting_law
@@ -79,14 +80,16 @@ class FollowerSample:
         relative: predicted relative state [m, rad, rad].
         own: the follower's predicted velocities [m/s, rad/s].
         reference: wanted distance and bearing with derivatives.
-        known: the part of h'' besides G u_k that somebody knows, e.g. E u_i of a leader whose
-            commands are known; (0, 0) as published [m/s^2, rad/s^2].
+        leader_acceleration: forward and angular, if the leader's commands are known (a leader of
+            a cascade is itself a follower); (0, 0) as published [m/s^2, rad/s^2].
+        gain: the follower's drive gains.
     """
 
     relative: RelativeState
     own: Twist
     reference: ShapeReference
-    known: Vector2 = (0.0, 0.0)
+    leader_acceleration: Vector2 = (0.0, 0.0)
+    gain: DriveGain = NOMINAL_GAIN
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +102,7 @@ class FollowerMemory:
         double_integral: c_bar of (25) [m s^2, rad s^2].
         sliding: s of (24) [m, rad].
         applied: v that the saturated command really applied [m/s^2, rad/s^2].
+        acceleration: forward and angular, that the last command gives [m/s^2, rad/s^2].
         fresh: True until the first step.
     """
 
@@ -107,6 +111,7 @@ class FollowerMemory:
     double_integral: Vector2
     sliding: Vector2
     applied: Vector2 = (0.0, 0.0)
+    acceleration: Vector2 = (0.0, 0.0)
     fresh: bool = True
 
 
@@ -170,7 +175,11 @@ def _require_usable(sample: FollowerSample, dt: float) -> None:
     require_finite("relative state", r.distance, r.bearing, r.heading)
     require_finite("own velocities", own.v, own.omega)
     require_finite("reference", h.distance, h.bearing, h.distance_rate, h.bearing_rate)
-    require_finite("accelerations", h.distance_acceleration, h.bearing_acceleration, *sample.known)
+    require_finite(
+        "accelerations of the reference", h.distance_acceleration, h.bearing_acceleration
+    )
+    require_finite("leader's acceleration", *sample.leader_acceleration)
+    require_finite("drive gains", sample.gain.v, sample.gain.omega)
     if not 0.0 < dt < float("inf"):
         raise ControlError(f"a step of the follower's law needs dt > 0 s, got {dt} s")
 
@@ -193,7 +202,7 @@ def _integrate(
     c = c1 + step * (d1 + d[0]), c2 + step * (d2 + d[1])
     (k1, k2), (l1, l2) = gains.proportional, gains.integral
     s = error[0] + k1 * d[0] + l1 * c[0], error[1] + k2 * d[1] + l2 * c[1]
-    return FollowerMemory(error, d, c, s, memory.applied, fresh=False)
+    return replace(memory, error=error, integral=d, double_integral=c, sliding=s, fresh=False)
 
 
 def _twist(memory: FollowerMemory, s: Vector2, dt: float, gains: SlidingGains) -> Vector2:
@@ -217,24 +226,24 @@ def _act(
 ) -> tuple[FollowerMemory, Twist]:
     """Control (27) with own-velocity terms; v as saturation left it goes into the memory."""
     relative, d = _away_from_zero(sample.relative), model.camera_offset
-    w1, w2 = _feed_forward(memory.error, sample, gains)
+    w1, w2 = _feed_forward(memory.error, relative, sample, gains)
     o1, o2 = own_velocity_terms(sample.own, d)
     u1, u2 = apply(inverse_input_matrix(relative, d), (w1 - v[0], w2 - v[1]))  # (27)
-    command, (a1, a2) = model.actuation.command(sample.own, (u1 + o1, u2 + o2), dt)
-    g1, g2 = apply(input_matrix(relative, d), (a1 - o1, a2 - o2))
-    applied = (w1 - g1, w2 - g2)
-    moved = FollowerMemory(
-        memory.error, memory.integral, memory.double_integral, memory.sliding, applied, fresh=False
-    )
-    return moved, command
+    wanted = u1 + o1, u2 + o2
+    command, given = model.actuation.command(sample.own, wanted, dt, sample.gain)
+    g1, g2 = apply(input_matrix(relative, d), (given[0] - o1, given[1] - o2))
+    return replace(memory, applied=(w1 - g1, w2 - g2), acceleration=given), command
 
 
-def _feed_forward(error: Vector2, sample: FollowerSample, gains: SlidingGains) -> Vector2:
-    """L e + h^d'' of (27), less what is known of the disturbance."""
+def _feed_forward(
+    error: Vector2, relative: RelativeState, sample: FollowerSample, gains: SlidingGains
+) -> Vector2:
+    """L e + h^d'' of (27), less what the leader's known acceleration does to h''."""
     h, l = sample.reference, gains.integral  # noqa: E741 (the paper's L)
+    p1, p2 = apply(leader_matrix(relative), sample.leader_acceleration)
     return (
-        l[0] * error[0] + h.distance_acceleration - sample.known[0],
-        l[1] * error[1] + h.bearing_acceleration - sample.known[1],
+        l[0] * error[0] + h.distance_acceleration - p1,
+        l[1] * error[1] + h.bearing_acceleration - p2,
     )
 
 

@@ -1,0 +1,170 @@
+"""Derivatives from samples: Levant's robust exact differentiator (ref. [21]), and a line fit.
+
+For h'(0) when robots already move at the start (Assumption 5, Remark 5 case 2). Plain floats.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+
+from control.errors import ControlError
+from control.geometry import wrap_angle
+
+_MAX_NEWTON = 60  # quadratic from above: a dozen steps suffice
+
+# lambda~ of orders 1 to 5, index 0 to n: the non-recursive form of 1.1, 1.5, 2, 3, 5, 8
+_LAMBDA: tuple[tuple[float, ...], ...] = (
+    (1.1, 1.5),
+    (1.1, 2.12, 2.0),
+    (1.1, 3.06, 4.16, 3.0),
+    (1.1, 4.57, 9.30, 10.03, 5.0),
+    (1.1, 6.93, 21.37, 34.93, 26.39, 8.0),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Differentiator:
+    """Memory of an implicit homogeneous differentiator; its order is len(z) - 1.
+
+    Attributes:
+        t: time of the last sample [s].
+        z: estimates of the signal and its derivatives, unit per s^i.
+        lipschitz: bound of the derivative after the last one estimated, > 0 [unit per s^(n+1)].
+        period: between the last two samples, 0 before the second [s].
+    """
+
+    t: float
+    z: tuple[float, ...]
+    lipschitz: float
+    period: float = 0.0
+
+    @property
+    def rate(self) -> float:
+        """First derivative at t [unit per s]."""
+        # y_1 = z_1 + tau z_2/2 + tau^2 z_3/3 + ...: the implicit step's z lag behind by these
+        return sum(self.period ** (j - 1) * self.z[j] / j for j in range(1, len(self.z)))
+
+
+def begin_differentiator(
+    t: float, value: float, lipschitz: float, order: int = 2
+) -> Differentiator:
+    """Memory at the first sample: all derivatives 0.
+
+    Args:
+        t: time of the sample [s].
+        value: the signal.
+        lipschitz: bound of the derivative of order + 1, > 0 [unit per s^(order + 1)].
+        order: derivatives to estimate, 1 to 5.
+
+    Returns:
+        The memory.
+
+    Raises:
+        ControlError: if the order or the bound is out of range, or the sample is not finite.
+    """
+    if not (1 <= order <= len(_LAMBDA) and 0.0 < lipschitz < inf):
+        raise ControlError(f"differentiator: order {order} not in 1..5 or bound {lipschitz} <= 0")
+    if not (isfinite(t) and isfinite(value)):
+        raise ControlError(f"differentiator: sample {value} at {t} s is not finite")
+    return Differentiator(t, (value,) + (0.0,) * order, lipschitz)
+
+
+def differentiate(memory: Differentiator, t: float, value: float) -> Differentiator:
+    """Take one more sample; the period may vary, samples may be missing.
+
+    Args:
+        memory: the memory so far.
+        t: time of the sample, after the last one [s].
+        value: the signal; an angle must be unwrapped.
+
+    Returns:
+        The memory after the sample.
+
+    Raises:
+        ControlError: if the sample is not finite or not later than the last one.
+    """
+    tau = t - memory.t
+    if not (isfinite(t) and isfinite(value) and tau > 0.0):
+        raise ControlError(f"differentiator: sample {value} at {t} s after one at {memory.t} s")
+    n, z = len(memory.z) - 1, list(memory.z)
+    b = sum(tau**j * z[j] for j in range(n + 1)) - value
+    gains = [_LAMBDA[n - 1][n - i] * memory.lipschitz ** ((i + 1) / (n + 1)) for i in range(n + 1)]
+    p, xi = _implicit_error(abs(b), [tau ** (i + 1) * gain for i, gain in enumerate(gains)])
+    sign = 1.0 if b > 0.0 else -1.0
+    behind = 0.0  # z_(i+1) after the step
+    for i in range(n, -1, -1):
+        psi = -gains[i] * sign * (p ** (n - i) if i < n else xi)
+        z[i] = behind = z[i] + tau * (psi + behind)
+    return Differentiator(t, tuple(z), memory.lipschitz, tau)
+
+
+def _implicit_error(b: float, c: list[float]) -> tuple[float, float]:
+    """p = |e|^(1/(n+1)) and |xi| of the sliding or reaching case; c_0 .. c_n of the step."""
+    n = len(c) - 1
+    if b <= c[n]:
+        return 0.0, b / c[n]
+    coefficients = (1.0, *c[:n], c[n] - b)  # of p^(n+1), p^n, ..., 1
+    p = b ** (1.0 / (n + 1))  # above the root: there the polynomial is positive, and convex
+    for _ in range(_MAX_NEWTON):
+        value = slope = 0.0
+        for coefficient in coefficients:
+            slope = slope * p + value
+            value = value * p + coefficient
+        step = value / slope
+        p -= step
+        if step <= 1e-15 * p:
+            break
+    return p, 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class InitialRate:
+    """A rate and how well it is known.
+
+    Attributes:
+        rate: slope of the line through the samples [unit per s].
+        spread: its standard error; infinite with fewer than 3 samples [unit per s].
+    """
+
+    rate: float
+    spread: float
+
+
+def initial_rate(times: Sequence[float], values: Sequence[float]) -> InitialRate:
+    """Rate of a signal that was watched for a moment: least-squares line, for h'(0) of (25).
+
+    Args:
+        times: (N,) capture times, not all equal [s].
+        values: (N,) the signal, angles unwrapped.
+
+    Returns:
+        Slope and standard error.
+
+    Raises:
+        ControlError: if there are fewer than 2 distinct times, or the lengths differ.
+    """
+    n = len(times)
+    if n != len(values) or len(set(times)) < 2:
+        raise ControlError(f"a rate needs 2 distinct times, got {n} times, {len(values)} values")
+    t_mean, mean = sum(times) / n, sum(values) / n
+    t = [time - t_mean for time in times]
+    square = sum(x * x for x in t)
+    rate = sum(x * (value - mean) for x, value in zip(t, values, strict=True)) / square
+    rest = sum((value - mean - rate * x) ** 2 for x, value in zip(t, values, strict=True))
+    return InitialRate(rate, sqrt(rest / (n - 2) / square) if n > 2 else inf)
+
+
+def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:
+    """Make a sequence of wrapped angles continuous.
+
+    Args:
+        angles: (N,) angles [rad].
+
+    Returns:
+        (N,) angles that differ from those by whole turns, and from one another by at most half a
+        turn from entry to entry [rad].
+    """
+    result: list[float] = []
+    for angle in angles:
+        result.append(result[-1] + wrap_angle(angle - result[-1]) if result else angle)
+    return tuple(result)

@@ -1,0 +1,174 @@
+"""How a robot is believed to move: the roll of its state and the Jacobian and noise of that roll.
+
+Extended state: x, y, theta, v, omega and the two drive gains, (7,).
+"""
+
+from dataclasses import dataclass
+from math import cos, exp, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from control.actuation import NOMINAL_GAIN, DriveGain
+from control.errors import ControlError
+from control.history import SentCommands
+from control.unicycle import Twist, UnicycleState, advance_lagged, advance_pose
+
+Array = NDArray[np.float64]
+
+_HOLD = 1.0 / 30.0  # for which an unknown acceleration keeps its value in MotionModel [s]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionModel:
+    """How a robot is believed to move between frames.
+
+    Attributes:
+        lag: time constant with which it follows the commands sent to it; None if nobody knows its
+            commands: it then keeps its velocities but for unknown accelerations [s].
+        acceleration_std: unknown forward acceleration, standard deviation of a value that holds
+            for 1/30 s [m/s^2].
+        angular_acceleration_std: the same of the turning [rad/s^2].
+        initial_v_std: doubt of the forward velocity, 0, at the first frame [m/s].
+        initial_omega_std: doubt of the angular velocity, 0, at the first frame [rad/s].
+        gain_std: doubt of the drive gains, 1, at the first frame; 0 keeps them at 1 [1].
+        gain_drift: how the doubt of a gain grows with the way driven, or the angle turned, under
+            it: deviation after 1 m, or 1 rad [1].
+
+    Raises:
+        ControlError: if the lag or a deviation of motion is not positive, or one of the gains is
+            negative.
+    """
+
+    lag: float | None = 0.05
+    acceleration_std: float = 2.0
+    angular_acceleration_std: float = 5.0
+    initial_v_std: float = 0.03
+    initial_omega_std: float = 0.1
+    gain_std: float = 0.15
+    gain_drift: float = 0.04
+
+    def __post_init__(self) -> None:
+        accelerations = (self.acceleration_std, self.angular_acceleration_std)
+        speeds = (self.initial_v_std, self.initial_omega_std)
+        positive = min(*accelerations, *speeds, 1.0 if self.lag is None else self.lag) > 0.0
+        if not (positive and min(self.gain_std, self.gain_drift) >= 0.0):
+            raise ControlError(f"a motion model needs a lag and deviations > 0, got {self}")
+
+
+def roll(
+    state: UnicycleState,
+    t0: float,
+    t1: float,
+    sent: SentCommands,
+    model: MotionModel,
+    gain: DriveGain = NOMINAL_GAIN,
+) -> UnicycleState:
+    """Roll a state forward through every command in force on the way; without lag, it coasts.
+
+    Args:
+        state: pose and velocities at t0.
+        t0: start [s].
+        t1: end; the state is returned as it is unless t1 > t0 [s].
+        sent: commands sent to this robot.
+        model: how it moves.
+        gain: velocities it reaches per velocity commanded.
+
+    Returns:
+        Pose and velocities at t1; the heading is not wrapped.
+    """
+    if model.lag is None:
+        pose = advance_pose(state.pose, state.twist, max(t1 - t0, 0.0))
+        return UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
+    for dt, command in sent.between(t0, t1):
+        driven = Twist(gain.v * command.v, gain.omega * command.omega)
+        state = advance_lagged(state, driven, dt, model.lag)
+    return state
+
+
+def transition(
+    old: UnicycleState, new: UnicycleState, dt: float, lag: float | None, gain: DriveGain
+) -> Array:
+    """Jacobian of the roll from old to new with respect to the extended state.
+
+    Args:
+        old: state at the start.
+        new: state at the end.
+        dt: duration [s].
+        lag: time constant of the motors, None if the commands are unknown [s].
+        gain: drive gains during the roll.
+
+    Returns:
+        (7, 7).
+    """
+    decay = exp(-dt / lag) if lag else 1.0
+    reach = lag * (1.0 - decay) if lag else dt  # way per initial velocity
+    f = np.eye(7)
+    f[:2, 2] = old.y - new.y, new.x - old.x
+    f[3, 3] = f[4, 4] = decay
+    f[:5, 3] = _moved(old, new, way=reach, v=decay)
+    f[:5, 4] = _moved(old, new, turn=reach, omega=decay)
+    if lag:
+        way, turn = _way_and_turn(old, new)
+        v, omega = new.v - decay * old.v, new.omega - decay * old.omega  # what the commands gave
+        f[:5, 5] = _moved(old, new, way=(way - reach * old.v) / gain.v, v=v / gain.v)
+        turn = (turn - reach * old.omega) / gain.omega
+        f[:5, 6] = _moved(old, new, turn=turn, omega=omega / gain.omega)
+    return f
+
+
+def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: MotionModel) -> Array:
+    """Covariance that unknown accelerations and drifting gains add during the roll.
+
+    Args:
+        old: state at the start.
+        new: state at the end.
+        dt: duration [s].
+        model: how the robot moves.
+
+    Returns:
+        (7, 7), symmetric.
+    """
+    way, cross, speed = _white_acceleration(dt, model.lag)
+    unit = _HOLD * np.array([[way, cross], [cross, speed]])
+    along = np.array([_moved(old, new, way=1.0), _moved(old, new, v=1.0)]).T
+    turning = np.array([_moved(old, new, turn=1.0), _moved(old, new, omega=1.0)]).T
+    noise = np.zeros((7, 7))
+    noise[:5, :5] = model.acceleration_std**2 * (along @ unit @ along.T)
+    noise[:5, :5] += model.angular_acceleration_std**2 * (turning @ unit @ turning.T)
+    driven, turned = _way_and_turn(old, new)
+    noise[5, 5], noise[6, 6] = model.gain_drift**2 * abs(driven), model.gain_drift**2 * abs(turned)
+    return noise
+
+
+def _way_and_turn(old: UnicycleState, new: UnicycleState) -> tuple[float, float]:
+    """Way [m] and turn [rad] from old to new."""
+    middle = 0.5 * (old.theta + new.theta)
+    way = (new.x - old.x) * cos(middle) + (new.y - old.y) * sin(middle)
+    return way, new.theta - old.theta
+
+
+def _moved(
+    old: UnicycleState,
+    new: UnicycleState,
+    way: float = 0.0,
+    turn: float = 0.0,
+    v: float = 0.0,
+    omega: float = 0.0,
+) -> tuple[float, float, float, float, float]:
+    """Change of the new state by a little more way, turn and speed on the way there."""
+    middle = 0.5 * (old.theta + new.theta)
+    # turning evenly on the way, the robot ends beside its end by half the turn times the way
+    x = way * cos(middle) - 0.5 * turn * (new.y - old.y)
+    y = way * sin(middle) + 0.5 * turn * (new.x - old.x)
+    return x, y, turn, v, omega
+
+
+def _white_acceleration(dt: float, lag: float | None) -> tuple[float, float, float]:
+    """Variance of the way, its covariance with the speed, variance of the speed, per density."""
+    if lag is None:
+        return dt**3 / 3.0, dt**2 / 2.0, dt
+    decay = exp(-dt / lag)
+    reach = lag * (1.0 - decay)
+    speed = 0.5 * lag * (1.0 - decay * decay)
+    return lag * lag * (dt - 2.0 * reach + speed), 0.5 * reach * reach, speed

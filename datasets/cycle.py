@@ -1,0 +1,132 @@
+"""The record of one cycle: what went in, what came out, and what was true."""
+
+from dataclasses import dataclass
+
+from control.command import Command, RobotId
+from control.formation import ShapeReference
+from control.leader import PlannedMotion
+from control.relative import RelativeState
+from control.unicycle import UnicycleState
+from vision.frame import Frame
+from vision.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """The inputs of one cycle.
+
+    Attributes:
+        t: the moment of the cycle, on the capture clock [s].
+        frame: the newest frame not yet seen, or None.
+        lost_links: robots whose radio link is down.
+    """
+
+    t: float
+    frame: Frame | None = None
+    lost_links: tuple[RobotId, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """Where a robot is believed, or known, to be.
+
+    Attributes:
+        robot_id: the robot.
+        state: pose and velocities [m, m, rad, m/s, rad/s].
+    """
+
+    robot_id: RobotId
+    state: UnicycleState
+
+
+@dataclass(frozen=True, slots=True)
+class PairState:
+    """A follower as its camera point sees its leader, and as it should.
+
+    Attributes:
+        leader: id of the robot followed.
+        follower: id of the robot that follows.
+        relative: predicted relative state when the command takes effect [m, rad, rad].
+        reference: wanted distance and bearing with derivatives [m, rad, per s, per s^2].
+    """
+
+    leader: RobotId
+    follower: RobotId
+    relative: RelativeState
+    reference: ShapeReference
+
+
+@dataclass(frozen=True, slots=True)
+class SafetyEvent:
+    """Something the safety rules acted on.
+
+    Attributes:
+        t: when [s].
+        kind: short name, e.g. "robot-lost", "camera-silent", "recovered".
+        robot_id: whom it concerns, None for all.
+        detail: one sentence with the numbers.
+    """
+
+    t: float
+    kind: str
+    robot_id: RobotId | None
+    detail: str
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """The outcome of one cycle.
+
+    Attributes:
+        t: the moment of the cycle [s].
+        t_effective: when its commands reach the wheels [s].
+        phase: "searching", "watching", "running", "holding" or "finished".
+        t_start: when the mission's clock started [s], None before.
+        scene: what was seen, None without a new frame.
+        robots: predicted states at t_effective.
+        pairs: one per follower, leaders first.
+        planned: wanted motion of the formation's leader at t_effective, None before the start.
+        commands: to be sent now.
+        events: what the safety rules did in this cycle.
+    """
+
+    t: float
+    t_effective: float
+    phase: str
+    t_start: float | None
+    scene: Scene | None
+    robots: tuple[RobotState, ...]
+    pairs: tuple[PairState, ...]
+    planned: PlannedMotion | None
+    commands: tuple[Command, ...]
+    events: tuple[SafetyEvent, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """Computing time spent in one cycle.
+
+    Attributes:
+        vision: finding the robots in the frame [s], 0 without a frame.
+        step: the whole cycle, frame in to commands out [s].
+    """
+
+    vision: float
+    step: float
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """All that observers (recorder, viewer, scores) learn of one cycle.
+
+    Attributes:
+        tick: the inputs.
+        cycle: the outcome.
+        truth: true states at tick.t, empty where nobody knows.
+        timing: what it cost.
+    """
+
+    tick: Tick
+    cycle: Cycle
+    truth: tuple[RobotState, ...]
+    timing: Timing

@@ -1,0 +1,227 @@
+"""What holds in a scenario and what does not, with numbers, before anything moves."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from math import cos, hypot, inf, sin
+
+import numpy as np
+
+from control.geometry import Pose2D, compose, wrap_angle
+from control.unicycle import UnicycleState
+from pipeline.config import Scenario
+from pipeline.errors import ConfigError
+from pipeline.setup import Setup, make_setup, named_colors
+
+BODY = 0.075  # side of a robot's body [m]
+SAMPLED_LIMIT = 0.005  # longest period at which twisting as published was seen to work [s]
+MIABOT_LINK, MIABOT_COMMAND = 1150, 12  # bytes a second on a link, bytes of a full command
+GRID = 0.02  # of the walk along the plan [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that was checked.
+
+    Attributes:
+        topic: short name.
+        holds: whether it is as it should be.
+        detail: the numbers, and the remedy where it does not hold.
+    """
+
+    topic: str
+    holds: bool
+    detail: str
+
+
+def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
+    """Check a scenario.
+
+    Args:
+        scenario: read and typed.
+
+    Returns:
+        Findings in reading order; a scenario that cannot be built has one that says why.
+    """
+    try:
+        setup = make_setup(scenario)
+    except ConfigError as error:
+        return (Finding("scenario", False, str(error)),)
+    return (
+        _formation(setup),
+        *_gains(scenario),
+        *_plan(scenario, setup),
+        *_camera(setup),
+        _colors(scenario, setup),
+        _radio(scenario),
+        _safety(scenario),
+    )
+
+
+def _formation(setup: Setup) -> Finding:
+    formation = setup.formation
+    pairs = ", ".join(f"{p.leader}<-{p.follower}" for p in formation.pairs)
+    detail = f"{len(formation.robots)} robots, leader {formation.root}, pairs {pairs}"
+    return Finding("formation", True, detail)
+
+
+def _gains(scenario: Scenario) -> Iterator[Finding]:
+    """Poles of the sliding phase (23), and whether the law survives its period."""
+    c = scenario.control
+    poles = [
+        np.roots([1.0, k, l])
+        for k, l in zip(c.proportional, c.integral, strict=True)  # noqa: E741 (the paper's L)
+    ]
+    slowest = -max(float(np.real(p).max()) for p in poles)
+    yield Finding(
+        "sliding phase",
+        slowest > 0.0,
+        f"e'' + K e' + L e = 0 with K = {c.proportional}, L = {c.integral}: "
+        f"slowest pole {-slowest:.2f} 1/s, errors fall to 5 % in about {4.7 / slowest:.1f} s",
+    )
+    sampled = c.law == "sampled-twisting"
+    yield Finding(
+        "sampling",
+        not sampled or c.command_period_s <= SAMPLED_LIMIT,
+        f"{c.law} every {1e3 * c.command_period_s:g} ms"
+        + (f"; as published it works up to {1e3 * SAMPLED_LIMIT:g} ms only" if sampled else ""),
+    )
+
+
+def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
+    """The wanted motion: inside the picture, within the wheels' reach, without contact."""
+    times = np.arange(0.0, setup.duration + GRID, GRID)
+    wanted = [_wanted_places(setup, float(t)) for t in times]
+    corner = _farthest_outside(setup, wanted)
+    yield Finding(
+        "field of view",
+        corner <= 0.0,
+        f"the plan stays {-corner:.0f} px inside the picture"
+        if corner <= 0.0
+        else f"the plan leaves the picture by {corner:.0f} px: move or raise the camera",
+    )
+    fastest, who = _fastest(setup, wanted)
+    limit = scenario.control.speed_limit_mps
+    yield Finding(
+        "speeds",
+        fastest <= limit,
+        f"fastest camera point along the plan: robot {who}, {fastest:.2f} m/s of {limit:g} m/s",
+    )
+    gap = min(_smallest_gap(poses) for poses in wanted)
+    yield Finding(
+        "spacing",
+        gap > 0.0,
+        f"bodies of {1e3 * BODY:.0f} mm keep at least {1e3 * gap:.0f} mm in the wanted shape "
+        "(circles around the bodies; the way into the shape is not covered)",
+    )
+
+
+def _wanted_places(setup: Setup, t: float) -> dict[object, Pose2D]:
+    """Every robot where the plan wants it, followers heading as their leaders do."""
+    lead: UnicycleState = setup.path.at(t).state
+    places: dict[object, Pose2D] = {setup.formation.root: lead.pose}
+    d = setup.follower.camera_offset
+    for pair in setup.formation.pairs:
+        shape, leader = pair.shape.at(t), places[pair.leader]
+        x = shape.distance * cos(shape.bearing) - d
+        places[pair.follower] = compose(leader, Pose2D(x, shape.distance * sin(shape.bearing), 0.0))
+    return places
+
+
+def _farthest_outside(setup: Setup, wanted: list[dict[object, Pose2D]]) -> float:
+    """By how many pixels a tag leaves the picture; negative: stays inside by as many."""
+    camera, worst = setup.camera, -inf
+    for places in wanted[::5]:
+        for pose in places.values():
+            pixel, scale = camera.pixel_pose(pose), np.abs(camera.local_affine(pose)).max()
+            half = 0.71 * BODY * float(scale)
+            w, h = camera.size_px
+            inside = min(pixel.x, w - 1 - pixel.x, pixel.y, h - 1 - pixel.y) - half
+            worst = max(worst, -inside)
+    return worst
+
+
+def _fastest(setup: Setup, wanted: list[dict[object, Pose2D]]) -> tuple[float, object]:
+    """Highest speed at which a wanted place moves, jumps of the shape included [m/s]."""
+    best, who = 0.0, setup.formation.root
+    for before, after in pairwise(wanted):
+        for robot, pose in after.items():
+            speed = hypot(pose.x - before[robot].x, pose.y - before[robot].y) / GRID
+            turning = abs(wrap_angle(pose.theta - before[robot].theta)) / GRID
+            if speed > best and turning < 1e3:
+                best, who = speed, robot  # type: ignore[assignment]
+    return best, who
+
+
+def _smallest_gap(places: dict[object, Pose2D]) -> float:
+    """Smallest distance between circles around the bodies [m]."""
+    poses = list(places.values())
+    gaps = [
+        hypot(one.x - other.x, one.y - other.y) - BODY * 2**0.5
+        for index, one in enumerate(poses)
+        for other in poses[index + 1 :]
+    ]
+    return min(gaps, default=inf)
+
+
+def _camera(setup: Setup) -> Iterator[Finding]:
+    """How large a robot appears."""
+    middle = setup.path.at(0.5 * setup.duration).state.pose
+    scale = float(np.sqrt(abs(np.linalg.det(setup.camera.local_affine(middle)))))
+    size = setup.tags.tags[0].side * scale
+    yield Finding(
+        "robots in the picture",
+        size >= 8.0,
+        f"{setup.camera.size_px[0]} x {setup.camera.size_px[1]} px, {1e3 / scale:.1f} mm per pixel "
+        f"at tag height: a robot is {size:.1f} px wide (8 px needed)",
+    )
+
+
+def _colors(scenario: Scenario, setup: Setup) -> Finding:
+    """The two searched colours that are nearest to each other."""
+    colors = {color.name: color.bgr for color in named_colors(scenario)}
+    names = setup.tags.search_colors
+    distances = [
+        (_hue_distance(colors[a], colors[b]), a, b)
+        for i, a in enumerate(names)
+        for b in names[i + 1 :]
+    ]
+    nearest, one, other = min(distances, default=(inf, "", ""))
+    return Finding(
+        "colours",
+        nearest >= 0.10,
+        f"nearest of {len(names)} colours: {one} and {other}, {nearest:.2f} apart in chromaticity "
+        "(0.10 needed)",
+    )
+
+
+def _hue_distance(one: tuple[int, int, int], other: tuple[int, int, int]) -> float:
+    """Distance of two colours with their brightness taken out."""
+    a, b = (np.array(c, float) / max(sum(c), 1) for c in (one, other))
+    return float(np.linalg.norm(a - b))
+
+
+def _radio(scenario: Scenario) -> Finding:
+    """Bytes per second and link if the commands went to Miabots."""
+    need = MIABOT_COMMAND / scenario.control.command_period_s
+    fits = need <= MIABOT_LINK
+    return Finding(
+        "radio budget",
+        True,
+        f"a Miabot link carries {MIABOT_LINK} B/s; a command every "
+        f"{1e3 * scenario.control.command_period_s:g} ms would need {need:.0f} B/s"
+        + ("" if fits else "; on such a link commands go out as often as it carries them"),
+    )
+
+
+def _safety(scenario: Scenario) -> Finding:
+    """Whether a healthy frame can be older than the patience of the safety rules."""
+    c, s = scenario.camera, scenario.safety
+    oldest = c.latency_s + 2.0 / c.fps
+    return Finding(
+        "safety times",
+        oldest < min(s.slow_after_s, s.camera_silent_s),
+        f"with one frame lost the newest pose is {1e3 * oldest:.0f} ms old; robots slow down after "
+        f"{1e3 * s.slow_after_s:.0f} ms and stand after {1e3 * s.stop_after_s:.0f} ms "
+        f"(at 1 m/s: {s.stop_after_s:.2f} m)",
+    )

@@ -1,0 +1,1 @@
+"""The `echelon` command: one small file a sub-command."""

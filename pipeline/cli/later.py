@@ -1,0 +1,33 @@
+"""Commands of the contract that are not built yet: they say so, with exit status 2."""
+
+from typing import Annotated
+
+import typer
+
+from pipeline.errors import ConfigError
+
+LATER = {
+    "simulate": "control without a camera, batched; until then: echelon live --fast",
+    "calibrate": "camera, colours and robots from pictures; until then: write the scenario by hand",
+    "cameras": "what can be opened; until then: echelon live --camera SPEC says what is wrong",
+}
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line.
+
+    Args:
+        app: the command line.
+    """
+    for name, what in LATER.items():
+        _register_one(app, name, what)
+
+
+def _register_one(app: typer.Typer, name: str, what: str) -> None:
+    settings = {"allow_extra_args": True, "ignore_unknown_options": True}
+
+    def not_yet(arguments: Annotated[list[str] | None, typer.Argument()] = None) -> None:
+        del arguments
+        raise ConfigError(f"{name}: not in this version ({what})")
+
+    app.command(name, help=f"Not in this version: {what}.", context_settings=settings)(not_yet)

@@ -1,0 +1,51 @@
+"""`echelon live`: the loop, from a camera's frames to the robots' commands."""
+
+from typing import Annotated
+
+import typer
+
+from pipeline.cli import options
+
+
+def live(
+    scenario: options.ScenarioName = "paper",
+    camera: Annotated[
+        str,
+        typer.Option(metavar="SPEC", help="rendered, an index, /dev/videoN, a URL, or a file."),
+    ] = "rendered",
+    radio: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SPEC",
+            help="simulated, miabot:ID=PORT,..., or none. "
+            "Default: simulated with the rendered camera, none with any other.",
+        ),
+    ] = None,
+    duration: Annotated[
+        float | None,
+        typer.Option(metavar="S", min=0.0, help="End after this many seconds."),
+    ] = None,
+    fast: Annotated[
+        bool, typer.Option("--fast", help="As fast as it goes (rendered camera only).")
+    ] = False,
+    seed: options.Seed = 0,
+    record: options.Record = None,
+    view: options.View = "none",
+    report: options.ReportFolder = None,
+    trajectory: options.Trajectory = None,
+    command_period: options.CommandPeriod = None,
+    overrides: options.Overrides = None,
+    json: options.Json = False,
+) -> None:
+    """Run a formation: frames in, commands out.
+
+    Without options: the paper's experiment, with rendered frames and simulated robots, in real
+    time. Ctrl-C stops every robot and closes the recording readable.
+    """
+    from pipeline.cli.output import Output  # heavy rooms are entered only when needed
+    from pipeline.cli.running import Outputs, Request, run_live
+
+    request = Request(
+        scenario, camera, radio, duration, fast, seed, command_period, tuple(overrides or ())
+    )
+    run_live(request, Outputs(record, view, report, trajectory), Output(json))

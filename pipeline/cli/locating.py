@@ -1,0 +1,98 @@
+"""What `echelon locate` does: images in, detections and rejections out."""
+
+from math import degrees
+from pathlib import Path
+from typing import Any
+
+from datasets.recorded import read_image
+from pipeline.cli.output import Output
+from pipeline.scenario import load_scenario
+from pipeline.setup import Setup, make_setup
+from vision.frame import as_frame
+from vision.locate import locate
+from vision.scene import Detection, Scene
+
+
+def locate_images(
+    images: list[Path],
+    scenario: str,
+    overrides: tuple[str, ...],
+    overlay: Path | None,
+    output: Output,
+) -> None:
+    """Find the robots in images.
+
+    Args:
+        images: files.
+        scenario: name or file that describes camera, tags and colours.
+        overrides: changes to it.
+        overlay: folder for pictures with outlines, None for none.
+        output: where to say it.
+
+    Raises:
+        ConfigError: if the scenario is wrong or does not fit an image's size.
+        RecordingError: if an image cannot be read.
+    """
+    setup = make_setup(load_scenario(scenario, overrides))
+    found = []
+    for sequence, path in enumerate(images):
+        frame = as_frame(read_image(path), 0.0, sequence, str(path))
+        scene = locate(frame, setup.eye_for(frame.size_px), ())
+        if overlay is not None:
+            _draw(setup, frame.image, scene, overlay / f"{path.stem}.png")
+        if output.as_json:
+            found.append(_to_json(path, scene))
+        else:
+            _tell(path, scene, output)
+    if output.as_json:
+        output.object({"images": found})
+
+
+def _to_json(path: Path, scene: Scene) -> dict[str, Any]:
+    return {
+        "file": str(path),
+        "detections": [_detection(d) for d in scene.detections],
+        "rejected": [{"x_px": r.x, "y_px": r.y, "reason": r.reason} for r in scene.rejected],
+    }
+
+
+def _detection(d: Detection) -> dict[str, Any]:
+    return {
+        "id": d.robot_id,
+        "x_px": d.pixel.x,
+        "y_px": d.pixel.y,
+        "heading_deg": degrees(d.pixel.heading),
+        "x_m": d.pose.x,
+        "y_m": d.pose.y,
+        "theta_rad": d.pose.theta,
+        "confidence": d.confidence,
+        "residual_px": d.residual_px,
+    }
+
+
+def _tell(path: Path, scene: Scene, output: Output) -> None:
+    """Tables for people."""
+    header = ("robot", "x px", "y px", "heading deg", "x m", "y m", "confidence", "residual px")
+    rows = [
+        (
+            str(d.robot_id), f"{d.pixel.x:.2f}", f"{d.pixel.y:.2f}",
+            f"{degrees(d.pixel.heading):.1f}", f"{d.pose.x:.4f}", f"{d.pose.y:.4f}",
+            f"{d.confidence:.2f}", f"{d.residual_px:.2f}",
+        )
+        for d in scene.detections
+    ]  # fmt: skip
+    output.table(f"{path}: {len(rows)} robots", header, rows)
+    for r in scene.rejected:
+        output.say(f"  not accepted at ({r.x:.0f}, {r.y:.0f}) px: {r.reason}")
+
+
+def _draw(setup: Setup, image: Any, scene: Scene, path: Path) -> None:
+    from pipeline.viewers.overlay import draw_scene, write_picture
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_picture(
+        path,
+        draw_scene(
+            image, scene, setup.tags, setup.eye_for((image.shape[1], image.shape[0])).camera
+        ),
+    )

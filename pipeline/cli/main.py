@@ -1,0 +1,43 @@
+"""The `echelon` command: dispatch, and errors as one clear line with the contract's exit status."""
+
+import sys
+import traceback
+
+import typer
+
+from control.errors import EchelonError
+from pipeline.cli import check, later, live, locate, render, replay, report
+from pipeline.errors import CameraError, RadioError
+
+app = typer.Typer(
+    name="echelon",
+    help="From an overhead camera's frames to the commands of a formation of small robots.",
+    rich_markup_mode=None,  # plain help answers in half the time
+    pretty_exceptions_enable=False,
+    add_completion=False,
+    no_args_is_help=True,
+    epilog="Start with: echelon live. Exit status: 0 done; 2 wrong use or configuration; "
+    "3 a device failed; 4 a safety stop ended the run; 5 recorded and recomputed results differ; "
+    "130 interrupted.",
+)
+for command in (live, replay, render, locate, report, check):
+    app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
+later.register(app)
+
+USAGE, DEVICE, INTERRUPTED = 2, 3, 130
+
+
+def main() -> None:
+    """Run the command line and exit with the contract's status."""
+    debug = "--debug" in sys.argv
+    sys.argv = [argument for argument in sys.argv if argument != "--debug"]
+    try:
+        app()
+    except EchelonError as error:
+        if debug:
+            traceback.print_exc()
+        line = " ".join(str(error).split())
+        print(f"echelon: {line}", file=sys.stderr)  # noqa: T201 (the one line a user reads)
+        sys.exit(DEVICE if isinstance(error, CameraError | RadioError) else USAGE)
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)

@@ -1,0 +1,157 @@
+"""What a command says: tables for people, or one JSON object for programs."""
+
+import json
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from math import pi
+from typing import Any
+
+from datasets.cycle import SafetyEvent
+from datasets.sightings import VisionScore
+from datasets.truth import Latencies, RunResult
+from pipeline.checks import Finding
+
+
+class Output:
+    """The one place that writes to stdout; everything else goes to stderr."""
+
+    def __init__(self, as_json: bool) -> None:
+        """Choose the form.
+
+        Args:
+            as_json: one JSON object instead of tables.
+        """
+        self.as_json = as_json
+
+    def say(self, text: str) -> None:
+        """Tell a person something on the way; with JSON it goes to stderr.
+
+        Args:
+            text: one line.
+        """
+        print(text, file=sys.stderr if self.as_json else sys.stdout)
+
+    def object(self, value: dict[str, Any]) -> None:
+        """Print one JSON object.
+
+        Args:
+            value: JSON-able.
+        """
+        print(json.dumps(value, allow_nan=False))  # noqa: T201
+
+    def result(self, result: RunResult, extra: dict[str, Any] | None = None) -> None:
+        """Print the result of a run.
+
+        Args:
+            result: scores and times.
+            extra: further keys of the JSON object.
+        """
+        if self.as_json:
+            self.object(result.to_json() | (extra or {}))
+        else:
+            for title, header, rows in _run_tables(result):
+                self.table(title, header, rows)
+
+    def findings(self, scenario: str, findings: Sequence[Finding]) -> None:
+        """Print what was checked.
+
+        Args:
+            scenario: its name.
+            findings: in reading order.
+        """
+        if self.as_json:
+            rows = [{"topic": f.topic, "holds": f.holds, "detail": f.detail} for f in findings]
+            self.object({"scenario": scenario, "findings": rows})
+            return
+        for finding in findings:
+            mark = "ok    " if finding.holds else "FAILS "
+            self.say(f"{mark} {finding.topic}: {finding.detail}")
+
+    def table(self, title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+        """Print a table with aligned columns.
+
+        Args:
+            title: above it.
+            header: names of the columns, with units.
+            rows: cells as text.
+        """
+        lines = [tuple(header), *map(tuple, rows)]
+        widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
+        print(f"\n{title}")  # noqa: T201
+        for line in lines:
+            cells = (cell.rjust(width) for cell, width in zip(line, widths, strict=True))
+            print("  " + "  ".join(cells))  # noqa: T201
+
+
+Tables = Iterator[tuple[str, Sequence[str], list[tuple[str, ...]]]]
+
+
+def _run_tables(result: RunResult) -> Tables:
+    """The result of a run as tables for people."""
+    whose = "true" if result.truth else "estimated"
+    title = (
+        f"{result.scenario}: {result.duration_s:.2f} s in {result.wall_s:.2f} s, "
+        f"{result.frames} frames, {result.commands_sent} commands"
+    )
+    yield f"{title}\nFollowers ({whose} errors, last 20 % of the run)", *_followers(result)
+    if result.vision is not None:
+        yield "Vision against the truth", *_vision(result.vision)
+    if result.latency_ms is not None:
+        yield "Computing time", *_latencies(result.latency_ms)
+    yield "Run", ("what", "value"), _run(result)
+
+
+def _followers(result: RunResult) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+    header = (
+        "robot", "follows", "distance rms mm", "max mm", "bearing rms deg", "max deg",
+        "settled at s", "v max m/s", "omega max rad/s",
+    )  # fmt: skip
+    rows = [
+        (
+            str(f.follower), str(f.leader), _number(f.distance_rms_m, 1e3),
+            _number(f.distance_max_m, 1e3), _number(f.bearing_rms_rad, 180 / pi),
+            _number(f.bearing_max_rad, 180 / pi), _number(f.settled_at_s), _number(f.v_max_mps),
+            _number(f.omega_max_radps),
+        )
+        for f in result.followers
+    ]  # fmt: skip
+    return header, rows
+
+
+def _vision(vision: VisionScore) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+    header = ("recall %", "false ids", "position rms mm", "heading rms deg")
+    row = (
+        _number(vision.recall, 100.0), str(vision.false_ids),
+        _number(vision.position_rms_m, 1e3), _number(vision.heading_rms_rad, 180 / pi),
+    )  # fmt: skip
+    return header, [row]
+
+
+def _latencies(times: Latencies) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+    rows = [
+        ("vision", times.vision_p50, times.vision_p99),
+        ("whole step", times.step_p50, times.step_p99),
+        ("frame to command", times.frame_to_command_p50, times.frame_to_command_p99),
+    ]
+    return ("stage", "median ms", "99 % ms"), [(n, f"{a:.2f}", f"{b:.2f}") for n, a, b in rows]
+
+
+def _run(result: RunResult) -> list[tuple[str, ...]]:
+    leader = result.leader.position_rms_m if result.leader else None
+    rows = [
+        ("leader off its plan, rms mm", _number(leader, 1e3)),
+        ("least clearance between bodies mm", _number(result.min_clearance_m, 1e3)),
+        ("safety events", str(len(result.safety_events))),
+    ]
+    rows += [(f"  {e.t:.2f} s {e.kind}", _event(e)) for e in result.safety_events[:20]]
+    return rows
+
+
+def _event(event: SafetyEvent) -> str:
+    who = "all" if event.robot_id is None else f"robot {event.robot_id}"
+    return f"{who}: {event.detail}"
+
+
+def _number(value: float | None, factor: float = 1.0) -> str:
+    """A number with two decimals, or a dash where nobody knows."""
+    return "-" if value is None else f"{factor * value:.2f}"

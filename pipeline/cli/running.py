@@ -1,0 +1,198 @@
+"""What `echelon live` does: connect, observe, run, tell."""
+
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+
+import typer
+
+from datasets.recorded import SessionHeader, SessionWriter, software_versions
+from pipeline.cli.output import Output
+from pipeline.config import Scenario
+from pipeline.interruption import interruption
+from pipeline.live import run
+from pipeline.ports import Observer
+from pipeline.progress import Progress
+from pipeline.rigs import connect
+from pipeline.scenario import load_scenario
+from pipeline.setup import Setup, make_scores, make_setup
+from pipeline.trajectory import TrajectoryFile
+
+INTERRUPTED = 130
+ROOM = 1.5  # a link is asked for commands this much slower than it could carry them
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What `echelon live` was asked for.
+
+    Attributes:
+        scenario: name or file.
+        camera: SPEC.
+        radio: SPEC, None for the camera's default.
+        duration: of the run, None: until the mission is finished [s].
+        fast: whether time jumps.
+        seed: of the rendered world.
+        command_period: None for the scenario's [s].
+        overrides: "section.key=value" texts.
+    """
+
+    scenario: str
+    camera: str = "rendered"
+    radio: str | None = None
+    duration: float | None = None
+    fast: bool = False
+    seed: int = 0
+    command_period: float | None = None
+    overrides: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """What a run is to leave behind.
+
+    Attributes:
+        record: session file.
+        view: "none", "rerun" or an .rrd file.
+        report: folder for figures and page.
+        trajectory: CSV file.
+    """
+
+    record: Path | None = None
+    view: str = "none"
+    report: Path | None = None
+    trajectory: Path | None = None
+
+    @property
+    def session(self) -> Path | None:
+        """The session file: as asked for, or inside the report's folder."""
+        return self.record or (self.report / "session.mcap" if self.report else None)
+
+
+def run_live(request: Request, outputs: Outputs, output: Output) -> None:
+    """Run a formation and tell the result.
+
+    Args:
+        request: what to run.
+        outputs: what to leave behind.
+        output: where to say it.
+
+    Raises:
+        ConfigError: if the scenario or a SPEC is wrong.
+        CameraError: if the camera fails.
+        RadioError: if the radio fails.
+        Exit: with status 130 after Ctrl-C.
+    """
+    scenario = _scenario(request)
+    with interruption() as interrupted:
+        rig = connect(scenario, request.camera, request.radio, request.seed, request.fast)
+        scenario = _paced(scenario, rig.sink.min_period, output)
+        setup = make_setup(scenario)
+        scores = make_scores(setup)
+        seed = request.seed if request.camera == "rendered" else None
+        with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:
+            rig = replace(rig, observers=(scores, *others))
+            start = perf_counter()
+            why = run(setup, rig, setup.period, request.duration, interrupted)
+            wall = perf_counter() - start
+    output.result(scores.result(setup.name, wall))
+    finish(outputs, output)
+    if why == "interrupted":
+        output.say("interrupted: stop was sent to every robot three times")
+        raise typer.Exit(INTERRUPTED)
+
+
+@contextmanager
+def observers(
+    setup: Setup,
+    scenario: Scenario,
+    seed: int | None,
+    lossless: bool,
+    duration: float | None,
+    outputs: Outputs,
+) -> Iterator[list[Observer]]:
+    """Open recorder, viewer, trajectory and progress line; what is open is closed whatever happens.
+
+    Args:
+        setup: of the run.
+        scenario: as it will be recorded.
+        seed: of the rendered world, None where there is none.
+        lossless: whether the recorder may make the loop wait.
+        duration: of the run, None: the scenario's [s].
+        outputs: what is wanted.
+
+    Yields:
+        The observers.
+    """
+    made: list[Observer] = []
+    try:
+        if outputs.session is not None:
+            outputs.session.parent.mkdir(parents=True, exist_ok=True)
+            made.append(SessionWriter(outputs.session, header_of(scenario, seed), lossless))
+        if outputs.view != "none":
+            made.append(_viewer(outputs.view, setup))
+        if outputs.trajectory is not None:
+            made.append(TrajectoryFile(outputs.trajectory, setup))
+        made.append(Progress(duration or scenario.duration_s))
+        yield made
+    finally:
+        for observer in made:
+            with closing(observer):
+                pass
+
+
+def header_of(scenario: Scenario, seed: int | None) -> SessionHeader:
+    """What a session says about the run it holds.
+
+    Args:
+        scenario: fully resolved.
+        seed: of the rendered world, None where there is none.
+
+    Returns:
+        The header.
+    """
+    return SessionHeader(scenario.name, scenario.model_dump_json(), seed, software_versions())
+
+
+def finish(outputs: Outputs, output: Output) -> None:
+    """Write the report that was asked for, and say what lies where.
+
+    Args:
+        outputs: what was asked for.
+        output: where to say it.
+    """
+    if outputs.session is not None:
+        output.say(f"session: {outputs.session}")
+    if outputs.trajectory is not None:
+        output.say(f"trajectory: {outputs.trajectory}")
+    if outputs.view.endswith(".rrd"):
+        output.say(f"view: {outputs.view} (look at it with: rerun {outputs.view})")
+    if outputs.report is not None and outputs.session is not None:
+        from pipeline.cli.reporting import write_report
+
+        output.say(f"report: {write_report(outputs.session, outputs.report)}")
+
+
+def _scenario(request: Request) -> Scenario:
+    changes = list(request.overrides)
+    if request.command_period is not None:
+        changes.append(f"control.command_period_s={request.command_period}")
+    return load_scenario(request.scenario, changes)
+
+
+def _paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
+    """The scenario with a command period that the radio can carry."""
+    period = ROOM * min_period
+    if scenario.control.command_period_s >= period:
+        return scenario
+    output.say(f"the radio carries a command every {1e3 * period:.1f} ms: the law runs at that")
+    control = scenario.control.model_copy(update={"command_period_s": period})
+    return scenario.model_copy(update={"control": control})
+
+
+def _viewer(view: str, setup: Setup) -> Observer:
+    from pipeline.viewers.open import open_viewer
+
+    return open_viewer(view, setup)

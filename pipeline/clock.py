@@ -1,0 +1,74 @@
+"""The two clocks a run can have: the machine's, and one that jumps."""
+
+import time
+
+
+class MonotonicClock:
+    """Real time: the machine's monotonic clock, zero when created."""
+
+    def __init__(self) -> None:
+        """Start at zero."""
+        self._origin = time.monotonic()
+
+    def now(self) -> float:
+        """Present time.
+
+        Returns:
+            Seconds since creation [s].
+        """
+        return time.monotonic() - self._origin
+
+    def wait_until(self, t: float) -> float:
+        """Sleep until a moment.
+
+        Args:
+            t: when to wake [s].
+
+        Returns:
+            The slack that was left on arrival [s]; negative, without sleeping, if t had passed.
+        """
+        slack = t - self.now()
+        if slack > 0.0:
+            time.sleep(slack)
+        return slack
+
+    def from_monotonic(self, t: float) -> float:
+        """Convert a reading of the machine's monotonic clock, as drivers stamp their frames.
+
+        Args:
+            t: CLOCK_MONOTONIC [s].
+
+        Returns:
+            The same moment on this clock [s].
+        """
+        return t - self._origin
+
+
+class VirtualClock:
+    """Time that passes only by waiting, for runs as fast as they go."""
+
+    def __init__(self) -> None:
+        """Start at zero."""
+        self._now = 0.0
+
+    def now(self) -> float:
+        """Present time.
+
+        Returns:
+            The latest moment waited for [s].
+        """
+        return self._now
+
+    def wait_until(self, t: float) -> float:
+        """Jump to a moment.
+
+        Args:
+            t: where to jump [s].
+
+        Returns:
+            The slack jumped over [s]; negative, without a jump, if t had passed.
+        """
+        slack = t - self._now
+        if slack > 0.0:
+            self._now = t
+        return slack

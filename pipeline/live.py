@@ -1,0 +1,145 @@
+"""Turning the crank against a clock: frames in, one step a tick, commands out."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from math import ceil
+from time import perf_counter
+
+from control.command import RobotId
+from datasets.cycle import Moment, RobotState, Tick, Timing
+from pipeline.memory import Memory
+from pipeline.ports import Clock, CommandSink, EndOfStream, FrameSource, Observer
+from pipeline.setup import Setup
+from pipeline.step import step
+from vision.eye import Eye
+from vision.frame import Frame
+from vision.locate import Prediction, locate
+from vision.scene import Scene
+
+Truth = Callable[[], tuple[RobotState, ...]]
+
+
+def nobody_knows() -> tuple[RobotState, ...]:
+    """The truth where there is none: real robots.
+
+    Returns:
+        Nothing.
+    """
+    return ()
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """The world a run is connected to.
+
+    Attributes:
+        source: where frames come from.
+        sink: where commands go.
+        clock: the time both share.
+        truth: true states of the robots at the present tick.
+        observers: who learns of every cycle, in this order.
+    """
+
+    source: FrameSource
+    sink: CommandSink
+    clock: Clock
+    truth: Truth = nobody_knows
+    observers: Sequence[Observer] = field(default_factory=tuple)
+
+
+class Stopwatch:
+    """`locate` with the time it took."""
+
+    def __init__(self) -> None:
+        """Start with nothing measured."""
+        self.elapsed = 0.0
+
+    def locate(self, frame: Frame, eye: Eye, predictions: tuple[Prediction, ...]) -> Scene:
+        """Find the robots, and take the time.
+
+        Args:
+            frame: the picture.
+            eye: all that is constant about how it is looked at.
+            predictions: where robots are expected.
+
+        Returns:
+            What was found.
+        """
+        start = perf_counter()
+        scene = locate(frame, eye, predictions)
+        self.elapsed = perf_counter() - start
+        return scene
+
+
+def run(
+    setup: Setup,
+    rig: Rig,
+    period: float,
+    duration: float | None = None,
+    interrupted: Callable[[], bool] = lambda: False,
+) -> str:
+    """Run until the mission is finished, the time is over, the frames end or someone interrupts.
+
+    However it ends, every robot is told to stop and every observer is closed.
+
+    Args:
+        setup: all that is constant in the run.
+        rig: camera, radio, clock and observers.
+        period: between two ticks [s].
+        duration: on the rig's clock, None: until the mission is finished [s].
+        interrupted: asked once a tick.
+
+    Returns:
+        Why it ended: "finished", "time", "frames ended" or "interrupted".
+
+    Raises:
+        CameraError: if the camera fails.
+        RadioError: if the radio fails.
+    """
+    try:
+        return _turn(setup, rig, period, duration, interrupted)
+    finally:
+        rig.sink.stop(rig.clock.now())
+        for part in (rig.sink, rig.source, *rig.observers):
+            part.close()
+
+
+def _turn(
+    setup: Setup,
+    rig: Rig,
+    period: float,
+    duration: float | None,
+    interrupted: Callable[[], bool],
+) -> str:
+    """Tick after tick; a tick that is late is not made up for, the next one keeps the beat."""
+    memory, lost, origin, count = Memory(), (), rig.clock.now(), 0
+    while not interrupted():
+        now = rig.clock.now()
+        if duration is not None and now >= duration:
+            return "time"
+        try:
+            memory, lost, finished = _tick(setup, rig, memory, now, lost)
+        except EndOfStream:
+            return "frames ended"
+        if finished:
+            return "finished"
+        count = max(count + 1, ceil((rig.clock.now() - origin) / period - 0.5))
+        rig.clock.wait_until(origin + count * period)
+    return "interrupted"
+
+
+def _tick(
+    setup: Setup, rig: Rig, memory: Memory, now: float, lost: tuple[RobotId, ...]
+) -> tuple[Memory, tuple[RobotId, ...], bool]:
+    """Frame, step, commands, observers."""
+    watch = Stopwatch()
+    frame = rig.source.latest(now)
+    start = perf_counter()
+    tick = Tick(now, frame, lost)
+    memory, cycle = step(setup, memory, tick, watch.locate)
+    lost = rig.sink.send(cycle.commands, now)
+    timing = Timing(watch.elapsed, perf_counter() - start)
+    moment = Moment(tick, cycle, rig.truth(), timing)
+    for observer in rig.observers:
+        observer.observe(moment)
+    return memory, lost, cycle.phase == "finished"

@@ -1,0 +1,91 @@
+"""All that a run remembers from one cycle to the next: values, handed in and out."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from control.command import RobotId
+from control.estimation import Estimate
+from control.history import SentCommands
+from control.leader import LeaderMemory
+from control.sliding import FollowerMemory
+from control.unicycle import UnicycleState
+from pipeline.guard import GuardMemory
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """What is remembered of one robot.
+
+    Attributes:
+        estimate: filtered state at the capture of the last frame that corrected it.
+        ahead: that state rolled forward through the commands sent.
+        t_ahead: the time of `ahead` [s].
+        sent: commands sent to the robot.
+    """
+
+    estimate: Estimate
+    ahead: UnicycleState
+    t_ahead: float
+    sent: SentCommands = field(default_factory=SentCommands)
+
+
+@dataclass(frozen=True, slots=True)
+class Glimpse:
+    """Relative configurations seen in one frame while the robots are watched before the start.
+
+    Attributes:
+        t: capture time [s].
+        distances: one per pair of the formation [m].
+        bearings: one per pair, in (-pi, pi] [rad].
+    """
+
+    t: float
+    distances: tuple[float, ...]
+    bearings: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """How far the run has come.
+
+    Attributes:
+        phase: "searching", "watching", "running", "holding" or "finished".
+        t_start: when the mission's clock stood at 0 [s]; None before the start.
+        glimpses: what was seen while watching.
+    """
+
+    phase: str = "searching"
+    t_start: float | None = None
+    glimpses: tuple[Glimpse, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Laws:
+    """Memories of the control laws; a law that does not run has none.
+
+    Attributes:
+        leader: of the formation's leader.
+        followers: by robot.
+    """
+
+    leader: LeaderMemory | None = None
+    followers: Mapping[RobotId, FollowerMemory] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """The state of the fold over ticks.
+
+    Attributes:
+        t: of the last tick [s], None before the first.
+        tracks: robots seen so far.
+        guard: of the safety rules.
+        mission: phase and clock.
+        laws: integrals of the control laws.
+    """
+
+    t: float | None = None
+    tracks: Mapping[RobotId, Track] = field(default_factory=dict)
+    guard: GuardMemory = field(default_factory=GuardMemory)
+    mission: Mission = field(default_factory=Mission)
+    laws: Laws = field(default_factory=Laws)

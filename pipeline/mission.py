@@ -1,0 +1,140 @@
+"""The course of a run: search, watch, run, hold, finish; and the mission's clock."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import degrees
+from statistics import pstdev
+
+import numpy as np
+
+from control.command import RobotId
+from control.differentiator import begin_differentiator, differentiate
+from control.relative import RelativeRates, relative_state
+from datasets.cycle import SafetyEvent, Tick
+from pipeline.memory import Glimpse, Mission, Track
+from pipeline.setup import Setup
+from vision.scene import Scene
+
+ENGAGED = "engaged"
+"""Kind of the event that states the initial rates; it tells, it does not stop anything."""
+
+JERK, TURN_JERK = 1.0, 3.0  # bounds of the third derivatives while watching [m/s^3, rad/s^3]
+
+
+def advance(
+    setup: Setup,
+    mission: Mission,
+    tracks: Mapping[RobotId, Track],
+    shares: Mapping[RobotId, float],
+    tick: Tick,
+    dt: float,
+) -> Mission:
+    """Move the mission on by one tick.
+
+    Args:
+        setup: formation, start-up rules, duration.
+        mission: so far.
+        tracks: robots seen so far.
+        shares: of its speed that each robot may drive, from the safety rules.
+        tick: the present inputs.
+        dt: since the last tick [s].
+
+    Returns:
+        The mission now. Its clock stands still while the formation's leader must stand.
+    """
+    if mission.t_start is None:
+        return _before_start(setup, mission, tracks, tick)
+    if shares[setup.formation.root] == 0.0:
+        return replace(mission, phase="holding", t_start=mission.t_start + dt)
+    over = tick.t - mission.t_start >= setup.duration
+    return replace(mission, phase="finished" if over else "running")
+
+
+def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
+    """Note the relative configurations of a frame while the robots are being watched.
+
+    Args:
+        setup: formation and camera offset.
+        mission: so far.
+        scene: what a new frame showed, None without one.
+
+    Returns:
+        The mission, with one more glimpse if it is watching and every robot was seen.
+    """
+    if mission.phase != "watching" or scene is None:
+        return mission
+    seen = {d.robot_id: d.pose for d in scene.detections}
+    if any(robot not in seen for robot in setup.formation.robots):
+        return mission
+    states = [
+        relative_state(seen[pair.leader], seen[pair.follower], setup.follower.camera_offset)
+        for pair in setup.formation.pairs
+    ]
+    distances, bearings = tuple(r.distance for r in states), tuple(r.bearing for r in states)
+    glimpse = Glimpse(scene.t_capture, distances, bearings)
+    return replace(mission, glimpses=(*mission.glimpses, glimpse))
+
+
+def initial_rates(
+    setup: Setup, mission: Mission, t: float
+) -> tuple[Mapping[RobotId, RelativeRates], tuple[SafetyEvent, ...]]:
+    """h'(0) of every pair at the start of the mission (Assumption 5, Remark 5).
+
+    Args:
+        setup: formation and start-up rules.
+        mission: with the glimpses of the watching phase.
+        t: the present moment [s].
+
+    Returns:
+        Rates by follower, empty for robots that start from rest (case 1); and events that state
+        the estimate and its spread (case 2).
+    """
+    if not setup.watch_time or len(mission.glimpses) < 3:
+        return {}, ()
+    rates: dict[RobotId, RelativeRates] = {}
+    events: list[SafetyEvent] = []
+    times = [glimpse.t for glimpse in mission.glimpses]
+    for index, pair in enumerate(setup.formation.pairs):
+        distances = [glimpse.distances[index] for glimpse in mission.glimpses]
+        bearings = np.unwrap([glimpse.bearings[index] for glimpse in mission.glimpses]).tolist()
+        distance, bearing = _rate(times, distances, JERK), _rate(times, bearings, TURN_JERK)
+        rates[pair.follower] = RelativeRates(distance[0], bearing[0], 0.0)
+        events.append(SafetyEvent(t, ENGAGED, pair.follower, _told(distance, bearing)))
+    return rates, tuple(events)
+
+
+def _rate(times: list[float], values: list[float], lipschitz: float) -> tuple[float, float]:
+    """Rate at the last sample by the robust exact differentiator, and the spread of its course."""
+    memory = begin_differentiator(times[0], values[0], lipschitz)
+    course = []
+    for t, value in zip(times[1:], values[1:], strict=True):
+        memory = differentiate(memory, t, value)
+        course.append(memory.rate)
+    return course[-1], pstdev(course[-(len(course) // 3 or 1) :])
+
+
+def _before_start(
+    setup: Setup, mission: Mission, tracks: Mapping[RobotId, Track], tick: Tick
+) -> Mission:
+    """Wait until every robot of the formation is in sight, then watch, then start."""
+    fresh = setup.rules.slow_after
+    in_sight = all(
+        robot in tracks and tick.t - tracks[robot].estimate.t < fresh
+        for robot in setup.formation.robots
+    )
+    if not in_sight:
+        return Mission()
+    if setup.watch_time:
+        if mission.phase != "watching":
+            return Mission("watching")
+        if not mission.glimpses or tick.t - mission.glimpses[0].t < setup.watch_time:
+            return mission
+    return replace(mission, phase="running", t_start=tick.t)
+
+
+def _told(distance: tuple[float, float], bearing: tuple[float, float]) -> str:
+    """The initial rates and their spread in words."""
+    return (
+        f"distance rate {1e3 * distance[0]:.1f} +- {1e3 * distance[1]:.1f} mm/s, "
+        f"bearing rate {degrees(bearing[0]):.2f} +- {degrees(bearing[1]):.2f} deg/s"
+    )

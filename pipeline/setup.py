@@ -1,0 +1,312 @@
+"""From a scenario to the objects of a run: everything that stays constant while it runs."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import resources
+from math import radians
+
+from control.actuation import Actuation
+from control.errors import ControlError
+from control.estimation import MotionModel
+from control.formation import Formation, Pair, Shape, TanhStep
+from control.geometry import Pose2D
+from control.leader import LeaderGains, PathSegment, PlannedPath
+from control.sliding import FollowerModel, SlidingGains
+from control.twisting import TwistingGains
+from control.unicycle import SpeedLimits
+from datasets.truth import Scores
+from pipeline.config import (
+    CameraConfig,
+    LayoutConfig,
+    LeaderConfig,
+    PairConfig,
+    RobotConfig,
+    Scenario,
+    SegmentConfig,
+)
+from pipeline.errors import ConfigError
+from pipeline.guard import SafetyRules
+from vision.camera import CameraModel, overhead_camera
+from vision.errors import VisionError
+from vision.eye import ChromaModel, Eye, Optics, make_eye
+from vision.palette import NamedColor, palette_from_colors
+from vision.tags import Part, Tag, TagSet, polygon_array
+
+SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
+SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
+
+
+@dataclass(frozen=True)
+class Setup:
+    """All that is constant in a run.
+
+    Attributes:
+        name: of the scenario.
+        camera: the calibrated camera.
+        tags: what the robots wear.
+        formation: who follows whom, in which shape.
+        path: the leader's plan.
+        gains: of the followers' law.
+        follower: a follower's geometry and motors.
+        leader_gains: of the leader's law.
+        motion: model of a robot that obeys the commands sent.
+        free_motion: model of a robot nobody has commanded yet.
+        rules: of safety.
+        period: between two ticks [s].
+        radio_delay: from sending a command to its effect [s].
+        command_validity: a command older than this is never sent [s].
+        watch_time: how long moving robots are watched before the start; 0: they rest [s].
+        duration: of the mission [s].
+        any_size: whether frames of another size are looked at through the same field of view.
+        eye: how frames of the camera's own size are looked at.
+    """
+
+    name: str
+    camera: CameraModel
+    tags: TagSet
+    formation: Formation
+    path: PlannedPath
+    gains: SlidingGains
+    follower: FollowerModel
+    leader_gains: LeaderGains
+    motion: MotionModel
+    free_motion: MotionModel
+    rules: SafetyRules
+    period: float
+    radio_delay: float
+    command_validity: float
+    watch_time: float
+    duration: float
+    any_size: bool
+    eye: Eye
+    _eyes: dict[tuple[int, int], Eye] = field(default_factory=dict, repr=False)
+
+    def eye_for(self, size_px: tuple[int, int]) -> Eye:
+        """The eye for frames of a size.
+
+        Args:
+            size_px: width and height of the frames [px].
+
+        Returns:
+            The scenario's eye, or one scaled to the size where the scenario allows it.
+
+        Raises:
+            ConfigError: if the size is another and the scenario does not allow it.
+        """
+        if size_px == self.camera.size_px:
+            return self.eye
+        if not self.any_size:
+            raise ConfigError(
+                f"a frame is {size_px[0]} x {size_px[1]} px, the camera of {self.name} "
+                f"{self.camera.size_px[0]} x {self.camera.size_px[1]} px; if both show the same "
+                f'field, say camera.other_sizes = "scale"'
+            )
+        if size_px not in self._eyes:
+            eye = self.eye
+            self._eyes[size_px] = make_eye(
+                eye.camera.scaled_to(size_px), eye.tags, eye.palette, eye.optics, eye.thresholds
+            )
+        return self._eyes[size_px]
+
+
+def make_setup(scenario: Scenario) -> Setup:
+    """Build all that is constant in a run.
+
+    Args:
+        scenario: checked scenario.
+
+    Returns:
+        The setup.
+
+    Raises:
+        ConfigError: if the formation, the path, the tags or the camera are inconsistent.
+    """
+    try:
+        return _setup(scenario, scenario.control.command_period_s)
+    except (ControlError, VisionError) as error:
+        raise ConfigError(f"scenario {scenario.name}: {error}") from None
+
+
+def make_scores(setup: Setup) -> Scores:
+    """An observer that scores a run.
+
+    Args:
+        setup: of the run.
+
+    Returns:
+        Scores without any cycle yet.
+    """
+    offset, side = setup.follower.camera_offset, setup.tags.tags[0].side
+    return Scores(setup.formation, offset, setup.path, setup.camera, side)
+
+
+def make_camera(config: CameraConfig) -> CameraModel:
+    """The camera of a scenario.
+
+    Args:
+        config: where it hangs and what it delivers.
+
+    Returns:
+        The calibrated camera.
+    """
+    return overhead_camera(
+        (config.width_px, config.height_px),
+        config.field_width_m,
+        config.center_m,
+        config.mount_height_m,
+        config.tag_height_m,
+        config.distortion,
+    )
+
+
+def make_tags(scenario: Scenario) -> TagSet:
+    """The tags of a scenario's robots.
+
+    Args:
+        scenario: layout, colours and robots.
+
+    Returns:
+        One tag per robot.
+
+    Raises:
+        ConfigError: if a colour is not given or the layout is unknown.
+        VisionError: if tags cannot be told apart.
+    """
+    layout = _layout(scenario)
+    return TagSet(tuple(_tag(robot, layout, scenario.colors) for robot in scenario.robots))
+
+
+def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:
+    """The scenario's colours as the camera sees them under full light.
+
+    Args:
+        scenario: with colours as "#rrggbb".
+
+    Returns:
+        The colours; black, of plates and rims, is always there.
+    """
+    texts = {"black": "#0c0c0c", **scenario.colors}
+    return tuple(
+        NamedColor(name, (int(c[5:7], 16), int(c[3:5], 16), int(c[1:3], 16)))
+        for name, c in texts.items()
+    )
+
+
+def _eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
+    """What `locate` needs: a palette of the tags' colours, the camera's sharpness and noise."""
+    used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
+    palette = palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
+    s = scenario.sensor
+    return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, ChromaModel(s.chroma)))
+
+
+def _setup(scenario: Scenario, period: float) -> Setup:
+    camera, tags = make_camera(scenario.camera), make_tags(scenario)
+    resting = scenario.startup.initial_rates == "rest"
+    doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
+    return Setup(
+        name=scenario.name,
+        camera=camera,
+        tags=tags,
+        formation=Formation(tuple(_pair(pair) for pair in scenario.formation.pairs)),
+        path=_path(scenario.leader),
+        gains=_gains(scenario, period),
+        follower=_follower(scenario),
+        leader_gains=_leader_gains(scenario.leader),
+        motion=_motion(scenario, _lag(scenario), doubt),
+        free_motion=_motion(scenario, None, doubt),
+        rules=_rules(scenario),
+        period=period,
+        radio_delay=scenario.radio.delay_s,
+        command_validity=max(2.0 * period, 0.1),
+        watch_time=0.0 if resting else scenario.startup.watch_s,
+        duration=scenario.duration_s,
+        any_size=scenario.camera.other_sizes == "scale",
+        eye=_eye(scenario, camera, tags),
+    )
+
+
+def _lag(scenario: Scenario) -> float:
+    """The motor lag the host believes in: given, or the mean of the robots'."""
+    lags = [robot.lag_s for robot in scenario.robots]
+    return scenario.estimation.lag_s or sum(lags) / len(lags)
+
+
+def _motion(scenario: Scenario, lag: float | None, doubt: tuple[float, float]) -> MotionModel:
+    e = scenario.estimation
+    accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
+    return MotionModel(lag, *accelerations, *doubt)
+
+
+def _gains(scenario: Scenario, period: float) -> SlidingGains:
+    c = scenario.control
+    horizon = c.horizon_s or (SHORT_HORIZON if period <= SHORT_PERIOD else LONG_HORIZON)
+    return SlidingGains(c.proportional, c.integral, TwistingGains(c.mu, c.nu, horizon), c.law)
+
+
+def _follower(scenario: Scenario) -> FollowerModel:
+    c = scenario.control
+    limits = SpeedLimits(c.speed_limit_mps, c.turn_limit_radps)
+    return FollowerModel(c.camera_offset_m, Actuation(_lag(scenario), limits))
+
+
+def _leader_gains(config: LeaderConfig) -> LeaderGains:
+    return LeaderGains(
+        config.proportional, config.integral, config.reaching_mps2,
+        point_offset=config.point_offset_m,
+    )  # fmt: skip
+
+
+def _rules(scenario: Scenario) -> SafetyRules:
+    s = scenario.safety
+    return SafetyRules(s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s)
+
+
+def _pair(config: PairConfig) -> Pair:
+    d = config.distance_m
+    distance = (
+        TanhStep.constant(d)
+        if isinstance(d, float | int)
+        else TanhStep(d.before_m, d.after_m, d.at_s, d.rate_per_s)
+    )
+    bearing = TanhStep.constant(radians(config.bearing_deg))
+    return Pair(config.leader, config.follower, Shape(distance, bearing))
+
+
+def _path(config: LeaderConfig) -> PlannedPath:
+    start = Pose2D(config.start.x_m, config.start.y_m, radians(config.start.theta_deg))
+    segments = tuple(_segment(segment) for segment in config.segments)
+    return PlannedPath(start, segments, config.speed_mps, config.start.v_mps, config.ramp_s)
+
+
+def _segment(config: SegmentConfig) -> PathSegment:
+    if config.straight_m is not None:
+        return PathSegment(config.straight_m)
+    radius, turn = config.radius_m or 0.0, radians(config.turn_deg or 0.0)
+    return PathSegment(radius * abs(turn), (1.0 if turn > 0 else -1.0) / radius)
+
+
+def _layout(scenario: Scenario) -> LayoutConfig:
+    """The layout of the scenario's own, or a shipped one."""
+    name = scenario.tags.layout
+    if name in scenario.layouts:
+        return scenario.layouts[name]
+    file = resources.files("datasets") / "layouts" / f"{name}.toml"
+    if not file.is_file():
+        raise ConfigError(f'scenario {scenario.name}: no tag layout "{name}"')
+    return LayoutConfig.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
+
+
+def _tag(robot: RobotConfig, layout: LayoutConfig, colors: Mapping[str, str]) -> Tag:
+    """A robot's tag: the layout with the robot's own colours filled in."""
+    parts = []
+    for part in layout.parts:
+        color = robot.colors.get(part.color[1:], "") if part.color[0] == "$" else part.color
+        if color != "black" and color not in colors:
+            raise ConfigError(
+                f'robot {robot.id}: part "{part.name}" has the colour "{color or part.color}", '
+                f"which is not among the scenario's colours: {', '.join(colors)}"
+            )
+        parts.append(Part(part.name, polygon_array(part.polygon_m), color))
+    return Tag(robot.id, tuple(parts))

@@ -1,0 +1,140 @@
+"""From predicted states to twists: the leader's law, then every follower's."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from control.command import Command, RobotId
+from control.formation import Pair
+from control.leader import LeaderMemory, PlannedMotion, begin_leader, leader_step
+from control.relative import RelativeRates, relative_state
+from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
+from control.unicycle import Twist
+from datasets.cycle import PairState
+from pipeline.memory import Laws, Track
+from pipeline.setup import Setup
+
+STANDSTILL = Twist(0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Aim:
+    """What is wanted at the moment the commands take effect.
+
+    Attributes:
+        planned: motion of the formation's leader.
+        pairs: predicted and wanted relative state of every pair, leaders first.
+        shares: of its commanded speed that each robot may drive, 0 to 1.
+        rates: h'(0) by follower where the start has measured them.
+    """
+
+    planned: PlannedMotion
+    pairs: tuple[PairState, ...]
+    shares: Mapping[RobotId, float]
+    rates: Mapping[RobotId, RelativeRates]
+
+
+def relate(
+    setup: Setup, tracks: Mapping[RobotId, Track], t_mission: float
+) -> tuple[PairState, ...]:
+    """Predicted and wanted relative state of every pair whose robots are known.
+
+    Args:
+        setup: formation and camera offset.
+        tracks: rolled to the moment the command takes effect.
+        t_mission: that moment on the mission's clock [s].
+
+    Returns:
+        One entry per known pair, leaders first.
+    """
+    return tuple(
+        _pair_state(setup, pair, tracks, t_mission)
+        for pair in setup.formation.pairs
+        if pair.leader in tracks and pair.follower in tracks
+    )
+
+
+def steer(
+    setup: Setup, laws: Laws, aim: Aim, tracks: Mapping[RobotId, Track], dt: float
+) -> tuple[Laws, Mapping[RobotId, Twist]]:
+    """One sample of every law. A robot that must stand gets 0, and its law starts afresh after.
+
+    Args:
+        setup: gains and models.
+        laws: memories of the laws.
+        aim: what is wanted.
+        tracks: rolled to the moment the commands take effect.
+        dt: since the last sample [s].
+
+    Returns:
+        New memories, and the twist of every robot of the formation.
+    """
+    leader, twist = _lead(setup, laws, aim, tracks[setup.formation.root], dt)
+    twists = {setup.formation.root: twist}
+    followers: dict[RobotId, FollowerMemory] = {}
+    for pair in aim.pairs:
+        robot = pair.follower
+        memory, twists[robot] = _follow(setup, laws, aim, pair, tracks, dt)
+        if memory is not None:
+            followers[robot] = memory
+    return Laws(leader, followers), twists
+
+
+def commands_of(
+    setup: Setup, twists: Mapping[RobotId, Twist], t: float, t_effective: float
+) -> tuple[Command, ...]:
+    """Wrap twists as commands that expire.
+
+    Args:
+        setup: how long a command is valid.
+        twists: by robot.
+        t: the present moment [s].
+        t_effective: when they reach the wheels [s].
+
+    Returns:
+        One command per twist.
+    """
+    until = t + setup.command_validity
+    return tuple(Command(robot, twist, t_effective, until) for robot, twist in twists.items())
+
+
+def _pair_state(
+    setup: Setup, pair: Pair, tracks: Mapping[RobotId, Track], t_mission: float
+) -> PairState:
+    leader, follower = tracks[pair.leader].ahead.pose, tracks[pair.follower].ahead.pose
+    relative = relative_state(leader, follower, setup.follower.camera_offset)
+    return PairState(pair.leader, pair.follower, relative, pair.shape.at(t_mission))
+
+
+def _lead(
+    setup: Setup, laws: Laws, aim: Aim, track: Track, dt: float
+) -> tuple[LeaderMemory | None, Twist]:
+    """The leader's sample, from a memory that begins when there is none."""
+    share = aim.shares[setup.formation.root]
+    if share == 0.0:
+        return None, STANDSTILL
+    memory = laws.leader or begin_leader(track.ahead, aim.planned, setup.leader_gains)
+    memory, twist = leader_step(
+        memory, track.ahead, aim.planned, dt, setup.leader_gains, setup.follower.actuation
+    )
+    return memory, _scaled(twist, share)
+
+
+def _follow(
+    setup: Setup, laws: Laws, aim: Aim, pair: PairState, tracks: Mapping[RobotId, Track], dt: float
+) -> tuple[FollowerMemory | None, Twist]:
+    """A follower's sample, from a memory that begins when there is none."""
+    share = aim.shares[pair.follower]
+    if share == 0.0:
+        return None, STANDSTILL
+    own = tracks[pair.follower].ahead.twist
+    memory = laws.followers.get(pair.follower)
+    if memory is None:
+        rates = aim.rates.get(pair.follower)
+        memory = begin(pair.relative, pair.reference, setup.gains, rates)
+    sample = FollowerSample(pair.relative, own, pair.reference)
+    memory, twist = follower_step(memory, sample, dt, setup.gains, setup.follower)
+    return memory, _scaled(twist, share)
+
+
+def _scaled(twist: Twist, share: float) -> Twist:
+    return twist if share == 1.0 else Twist(share * twist.v, share * twist.omega)

@@ -1,0 +1,61 @@
+"""ONE cycle: a tick in, commands out. Pure: the same memory and tick give the same bits.
+
+Read this file first. Each stage is a verb in a room of its own: `tracking` looks, corrects at the
+capture time and predicts; `guard` watches over safety; `mission` keeps the course; `steering` runs
+the laws. Live runs and replays turn the same crank.
+"""
+
+from dataclasses import replace
+
+from control.command import Command
+from datasets.cycle import Cycle, RobotState, Tick
+from pipeline.guard import watch_over
+from pipeline.memory import Laws, Memory
+from pipeline.mission import advance, initial_rates, watch
+from pipeline.setup import Setup
+from pipeline.steering import Aim, commands_of, relate, steer
+from pipeline.tracking import Locate, ahead_of, look, remember
+from vision.locate import locate as find_robots
+
+NOTHING: tuple[Command, ...] = ()
+
+
+def step(
+    setup: Setup, memory: Memory, tick: Tick, locate: Locate = find_robots
+) -> tuple[Memory, Cycle]:
+    """One cycle: frame -> poses -> predicted relative states -> sliding-mode laws -> commands.
+
+    Args:
+        setup: all that is constant in a run.
+        memory: what the last cycle left.
+        tick: the inputs: the moment, a new frame or none, links that are down.
+        locate: the vision; the live loop passes one that takes the time.
+
+    Returns:
+        The memory for the next cycle, and the record of this one.
+    """
+    dt = setup.period if memory.t is None else tick.t - memory.t
+    scene, tracks = look(setup, memory.tracks, tick, locate)  # corrected at capture time
+    seen = {robot: track.estimate.t for robot, track in tracks.items()}
+    guard, shares, events = watch_over(setup.rules, memory.guard, setup.formation, seen, tick)
+    mission = watch(setup, memory.mission, scene)
+    mission = advance(setup, mission, tracks, shares, tick, dt)
+
+    t_effective = tick.t + setup.radio_delay
+    tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent
+    t_mission = t_effective - (tick.t if mission.t_start is None else mission.t_start)
+    pairs, planned = relate(setup, tracks, t_mission), setup.path.at(t_mission)
+
+    laws, commands = Laws(), NOTHING
+    if mission.phase in ("running", "holding"):
+        rates, told = initial_rates(setup, mission, tick.t)
+        laws, twists = steer(setup, memory.laws, Aim(planned, pairs, shares, rates), tracks, dt)
+        commands = commands_of(setup, twists, tick.t, t_effective)
+        tracks, events = remember(tracks, commands), (*events, *told)
+        mission = replace(mission, glimpses=())
+    robots = tuple(RobotState(robot, track.ahead) for robot, track in tracks.items())
+    cycle = Cycle(
+        tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,
+        planned if mission.t_start is not None else None, commands, events,
+    )  # fmt: skip
+    return Memory(tick.t, tracks, guard, mission, laws), cycle

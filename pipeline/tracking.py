@@ -1,0 +1,122 @@
+"""From a frame to corrected tracks, and from tracks to the moment a command takes effect."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from control.command import Command, RobotId
+from control.estimation import (
+    Estimate,
+    MotionModel,
+    correct,
+    initial_estimate,
+    innovation,
+    predict,
+    roll,
+)
+from control.history import SentCommands
+from datasets.cycle import Tick
+from pipeline.memory import Track
+from pipeline.setup import Setup
+from vision.eye import Eye
+from vision.frame import Frame
+from vision.locate import Prediction
+from vision.scene import Detection, Scene
+
+Locate = Callable[[Frame, Eye, tuple[Prediction, ...]], Scene]
+Tracks = Mapping[RobotId, Track]
+
+GATE = 40.0
+"""Squared Mahalanobis distance beyond which a pose is not believed at once; chance: 1e-8."""
+
+
+def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scene | None, Tracks]:
+    """Find the robots in the tick's frame and correct their tracks at its capture time.
+
+    Args:
+        setup: eye and motion models.
+        tracks: of the robots seen before.
+        tick: with or without a frame; a frame older than the tracks is looked at but not used.
+        locate: the vision.
+
+    Returns:
+        What was seen, None without a frame; the tracks, corrected where a robot was seen.
+    """
+    if tick.frame is None:
+        return None, tracks
+    t = tick.frame.t_capture
+    expected = {
+        robot: predict(track.estimate, t, track.sent, _model(setup, track.sent))
+        for robot, track in tracks.items()
+        if track.estimate.t <= t
+    }
+    predictions = tuple(
+        Prediction(robot, e.state.pose, e.covariance[:3, :3]) for robot, e in expected.items()
+    )
+    scene = locate(tick.frame, setup.eye_for(tick.frame.size_px), predictions)
+    seen = {d.robot_id: d for d in scene.detections}
+    corrected = {
+        robot: _corrected(setup, tracks.get(robot), expected.get(robot), detection, t)
+        for robot, detection in seen.items()
+        if robot in expected or robot not in tracks
+    }
+    return scene, {**tracks, **corrected}
+
+
+def ahead_of(setup: Setup, tracks: Tracks, t_effective: float) -> dict[RobotId, Track]:
+    """Roll every track through the commands sent, to the moment the next command takes effect.
+
+    Args:
+        setup: motion models.
+        tracks: of all robots seen so far.
+        t_effective: that moment [s].
+
+    Returns:
+        The tracks with their states at t_effective.
+    """
+    return {robot: _rolled(setup, track, t_effective) for robot, track in tracks.items()}
+
+
+def remember(tracks: Tracks, commands: tuple[Command, ...]) -> dict[RobotId, Track]:
+    """Note what is being sent: predictions run through it from now on.
+
+    Args:
+        tracks: of all robots.
+        commands: of this cycle.
+
+    Returns:
+        The tracks with longer histories.
+    """
+    noted = dict(tracks)
+    for command in commands:
+        track = noted[command.robot_id]
+        sent = track.sent.append(command.t_effective, command.twist)
+        noted[command.robot_id] = replace(track, sent=sent)
+    return noted
+
+
+def _model(setup: Setup, sent: SentCommands) -> MotionModel:
+    """A robot moves by its commands, or, before the first, as it likes."""
+    return setup.motion if sent.times else setup.free_motion
+
+
+def _rolled(setup: Setup, track: Track, t: float) -> Track:
+    if t <= track.t_ahead:
+        return track
+    state = roll(track.ahead, track.t_ahead, t, track.sent, _model(setup, track.sent))
+    return Track(track.estimate, state, t, track.sent)
+
+
+def _corrected(
+    setup: Setup, track: Track | None, expected: Estimate | None, seen: Detection, t: float
+) -> Track:
+    """The track after a sighting: started, corrected, or kept if the pose cannot be believed."""
+    if track is None or expected is None:
+        estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
+        return Track(estimate, estimate.state, t)
+    if innovation(expected, seen.pose, seen.covariance).squared_distance <= GATE:
+        estimate = correct(expected, seen.pose, seen.covariance)
+    elif t - track.estimate.t > setup.rules.stop_after:
+        estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
+    else:
+        return track
+    return Track(estimate, estimate.state, t, track.sent)

@@ -1,0 +1,85 @@
+"""The trajectory as a CSV file: truth, estimates, commands and errors, one row a tick."""
+
+import csv
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from control.command import RobotId
+from control.geometry import wrap_angle
+from control.unicycle import UnicycleState
+from datasets.cycle import Moment
+from datasets.errors import RecordingError
+from pipeline.setup import Setup
+
+STATE = ("x_m", "y_m", "theta_rad", "v_mps", "omega_radps")
+
+
+class TrajectoryFile:
+    """An observer that writes one row per tick; cells nobody knows are empty."""
+
+    def __init__(self, path: Path, setup: Setup) -> None:
+        """Create the file and write its header.
+
+        Args:
+            path: of the CSV file.
+            setup: robots and pairs.
+
+        Raises:
+            RecordingError: if the file cannot be created.
+        """
+        self._robots = setup.formation.robots
+        self._followers = tuple(pair.follower for pair in setup.formation.pairs)
+        try:
+            self._file = path.open("w", newline="", encoding="utf-8")
+        except OSError as error:
+            raise RecordingError(f"{path}: cannot be written ({error.strerror})") from None
+        self._rows = csv.writer(self._file)
+        self._rows.writerow(self._header())
+
+    def observe(self, moment: Moment) -> None:
+        """Write one row.
+
+        Args:
+            moment: the cycle.
+        """
+        cycle = moment.cycle
+        row: list[Any] = [moment.tick.t]
+        row += self._states({r.robot_id: r.state for r in moment.truth})
+        row += self._states({r.robot_id: r.state for r in cycle.robots})
+        commands = {c.robot_id: c.twist for c in cycle.commands}
+        for robot in self._robots:
+            twist = commands.get(robot)
+            row += [twist.v, twist.omega] if twist else ["", ""]
+        errors = {p.follower: p for p in cycle.pairs}
+        for robot in self._followers:
+            pair = errors.get(robot)
+            row += (
+                ["", ""]
+                if pair is None
+                else [
+                    pair.reference.distance - pair.relative.distance,
+                    wrap_angle(pair.reference.bearing - pair.relative.bearing),
+                ]
+            )
+        self._rows.writerow(row)
+
+    def close(self) -> None:
+        """Finish the file. Safe to call twice."""
+        self._file.close()
+
+    def _header(self) -> list[str]:
+        names = [
+            f"{kind}{r}_{s}" for kind in ("true", "estimate") for r in self._robots for s in STATE
+        ]
+        names += [f"command{r}_{s}" for r in self._robots for s in ("v_mps", "omega_radps")]
+        errors = ("distance_error_m", "bearing_error_rad")
+        return ["t_s", *names, *(f"estimate{r}_{e}" for r in self._followers for e in errors)]
+
+    def _states(self, known: dict[RobotId, UnicycleState]) -> Iterator[Any]:
+        for robot in self._robots:
+            state = known.get(robot)
+            if state is None:
+                yield from [""] * len(STATE)
+            else:
+                yield from (state.x, state.y, state.theta, state.v, state.omega)

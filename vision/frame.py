@@ -1,0 +1,59 @@
+"""One picture with the time it was taken."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.errors import VisionError
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """An image and its capture time.
+
+    Attributes:
+        image: uint8, shape (H, W, 3), BGR, read-only, C-contiguous.
+        t_capture: when the picture was taken, on the host's monotonic clock [s].
+        sequence: running number given by the source.
+        camera_id: name of the source.
+    """
+
+    image: NDArray[np.uint8]
+    t_capture: float
+    sequence: int
+    camera_id: str = "camera"
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height [px]."""
+        return self.image.shape[1], self.image.shape[0]
+
+
+def as_frame(
+    image: NDArray[np.generic], t_capture: float, sequence: int, camera_id: str = "camera"
+) -> Frame:
+    """Check an image and wrap it as a frame.
+
+    Args:
+        image: shape (H, W, 3), BGR, uint8.
+        t_capture: capture time [s], finite.
+        sequence: running number.
+        camera_id: name of the source.
+
+    Returns:
+        A frame whose image is read-only and contiguous.
+
+    Raises:
+        VisionError: if the image has another shape or type, no pixels, or the time is not finite.
+    """
+    if image.dtype != np.uint8 or image.ndim != 3 or image.shape[2] != 3 or image.size == 0:
+        raise VisionError(
+            f"{camera_id}, frame {sequence}: need a uint8 (H, W, 3) image, "
+            f"got {image.dtype} {image.shape}"
+        )
+    if not np.isfinite(t_capture):
+        raise VisionError(f"{camera_id}, frame {sequence}: capture time is {t_capture}")
+    pixels: NDArray[np.uint8] = np.ascontiguousarray(image, dtype=np.uint8).view()
+    pixels.flags.writeable = False
+    return Frame(pixels, float(t_capture), sequence, camera_id)
