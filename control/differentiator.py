@@ -5,7 +5,7 @@ For h'(0) when robots already move at the start (Assumption 5, Remark 5 case 2).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import inf, isfinite, prod, sqrt
 
 from control.errors import ControlError
 from control.geometry import wrap_angle
@@ -24,25 +24,34 @@ _LAMBDA: tuple[tuple[float, ...], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Differentiator:
-    """Memory of an implicit homogeneous differentiator; its order is len(z) - 1.
+    """Memory of an implicit homogeneous differentiator; its order n is len(z) - 1.
 
     Attributes:
-        t: time of the last sample [s].
-        z: estimates of the signal and its derivatives, unit per s^i.
+        times: of the last samples, newest first; n + 1 of them after the first step [s].
+        z: estimates of the signal and its derivatives, unit per s^i. While the differentiator
+            slides they are i! times the divided differences of the last i + 1 samples.
         lipschitz: bound of the derivative after the last one estimated, > 0 [unit per s^(n+1)].
-        period: between the last two samples, 0 before the second [s].
     """
 
-    t: float
+    times: tuple[float, ...]
     z: tuple[float, ...]
     lipschitz: float
-    period: float = 0.0
+
+    @property
+    def t(self) -> float:
+        """Time of the last sample [s]."""
+        return self.times[0]
 
     @property
     def rate(self) -> float:
         """First derivative at t [unit per s]."""
-        # y_1 = z_1 + tau z_2/2 + tau^2 z_3/3 + ...: the implicit step's z lag behind by these
-        return sum(self.period ** (j - 1) * self.z[j] / j for j in range(1, len(self.z)))
+        # Newton's interpolation, differentiated; z_1 + tau z_2/2 + tau^2 z_3/3 for even periods
+        result, weight = 0.0, 1.0
+        for j, z in enumerate(self.z[1:], start=1):
+            weight /= j
+            result += weight * z
+            weight *= self.times[0] - self.times[j] if j < len(self.times) else 0.0
+        return result
 
 
 def begin_differentiator(
@@ -66,7 +75,7 @@ def begin_differentiator(
         raise ControlError(f"differentiator: order {order} not in 1..5 or bound {lipschitz} <= 0")
     if not (isfinite(t) and isfinite(value)):
         raise ControlError(f"differentiator: sample {value} at {t} s is not finite")
-    return Differentiator(t, (value,) + (0.0,) * order, lipschitz)
+    return Differentiator((t,), (value,) + (0.0,) * order, lipschitz)
 
 
 def differentiate(memory: Differentiator, t: float, value: float) -> Differentiator:
@@ -86,16 +95,36 @@ def differentiate(memory: Differentiator, t: float, value: float) -> Differentia
     tau = t - memory.t
     if not (isfinite(t) and isfinite(value) and tau > 0.0):
         raise ControlError(f"differentiator: sample {value} at {t} s after one at {memory.t} s")
-    n, z = len(memory.z) - 1, list(memory.z)
-    b = sum(tau**j * z[j] for j in range(n + 1)) - value
-    gains = [_LAMBDA[n - 1][n - i] * memory.lipschitz ** ((i + 1) / (n + 1)) for i in range(n + 1)]
-    p, xi = _implicit_error(abs(b), [tau ** (i + 1) * gain for i, gain in enumerate(gains)])
-    sign = 1.0 if b > 0.0 else -1.0
-    behind = 0.0  # z_(i+1) after the step
+    n = len(memory.z) - 1
+    past = (
+        memory.times if len(memory.times) > 1 else tuple(memory.t - k * tau for k in range(n + 1))
+    )
+    h = [(t - past[i]) / (i + 1) for i in range(n + 1)]  # all tau for even periods
+    z = _implicit_step(memory.z, value, h, memory.lipschitz)
+    return Differentiator((t, *past[:n]), z, memory.lipschitz)
+
+
+def _implicit_step(
+    z: tuple[float, ...], value: float, h: list[float], lipschitz: float
+) -> tuple[float, ...]:
+    """z after the step: z_i+ = z_i + h_i (psi_i(e) + z_(i+1)+), psi_i at the error e after it."""
+    n = len(z) - 1
+    gains = [_LAMBDA[n - 1][n - i] * lipschitz ** ((i + 1) / (n + 1)) for i in range(n + 1)]
+    b = _unroll(z, h) - value
+    p, xi = _implicit_error(abs(b), [prod(h[: i + 1]) * gains[i] for i in range(n + 1)])
+    sign, result = 1.0 if b > 0.0 else -1.0, [0.0]  # z_(n+1) = 0
     for i in range(n, -1, -1):
         psi = -gains[i] * sign * (p ** (n - i) if i < n else xi)
-        z[i] = behind = z[i] + tau * (psi + behind)
-    return Differentiator(t, tuple(z), memory.lipschitz, tau)
+        result.append(z[i] + h[i] * (psi + result[-1]))
+    return tuple(reversed(result[1:]))
+
+
+def _unroll(z: tuple[float, ...], h: list[float]) -> float:
+    """z_0 after a step without correction."""
+    result = 0.0
+    for zi, hi in zip(reversed(z), reversed(h), strict=True):
+        result = zi + hi * result
+    return result
 
 
 def _implicit_error(b: float, c: list[float]) -> tuple[float, float]:

@@ -119,8 +119,8 @@ class LeaderGains:
         ControlError: if a gain is not positive.
     """
 
-    proportional: float = 6.0
-    integral: float = 9.0
+    proportional: float = 8.0
+    integral: float = 16.0
     reaching: float = 3.0
     horizon: float = 0.1
     point_offset: float = 0.1

@@ -4,7 +4,7 @@ Extended state: x, y, theta, v, omega and the two drive gains, (7,).
 """
 
 from dataclasses import dataclass
-from math import cos, exp, sin
+from math import ceil, cos, exp, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from control.unicycle import Twist, UnicycleState, advance_lagged, advance_pose
 
 Array = NDArray[np.float64]
 
+_FINE = 0.01  # longest piece of a roll: its curve is laid along one arc [s]
 _HOLD = 1.0 / 30.0  # for which an unknown acceleration keeps its value in MotionModel [s]
 
 
@@ -82,7 +83,9 @@ def roll(
         return UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
     for dt, command in sent.between(t0, t1):
         driven = Twist(gain.v * command.v, gain.omega * command.omega)
-        state = advance_lagged(state, driven, dt, model.lag)
+        pieces = ceil(dt / _FINE)
+        for _ in range(pieces):
+            state = advance_lagged(state, driven, dt / pieces, model.lag)
     return state
 
 

@@ -62,7 +62,7 @@ class SafetyEvent:
 
     Attributes:
         t: when [s].
-        kind: short name, e.g. "robot-lost", "camera-silent", "recovered".
+        kind: "robot-stopped", "robot-free", "camera-silent" or "camera-back".
         robot_id: whom it concerns, None for all.
         detail: one sentence with the numbers.
     """
@@ -88,6 +88,7 @@ class Cycle:
         planned: wanted motion of the formation's leader at t_effective, None before the start.
         commands: to be sent now.
         events: what the safety rules did in this cycle.
+        notes: what else is worth telling, e.g. the initial rates and their spread.
     """
 
     t: float
@@ -100,6 +101,7 @@ class Cycle:
     planned: PlannedMotion | None
     commands: tuple[Command, ...]
     events: tuple[SafetyEvent, ...] = ()
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,11 +110,13 @@ class Timing:
 
     Attributes:
         vision: finding the robots in the frame [s], 0 without a frame.
-        step: the whole cycle, frame in to commands out [s].
+        step: the whole step, frame to commands [s].
+        frame_to_command: from the frame's hand-over until its commands are with the radio [s].
     """
 
     vision: float
     step: float
+    frame_to_command: float
 
 
 @dataclass(frozen=True, slots=True)

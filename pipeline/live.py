@@ -137,8 +137,9 @@ def _tick(
     start = perf_counter()
     tick = Tick(now, frame, lost)
     memory, cycle = step(setup, memory, tick, watch.locate)
+    decided = perf_counter()
     lost = rig.sink.send(cycle.commands, now)
-    timing = Timing(watch.elapsed, perf_counter() - start)
+    timing = Timing(watch.elapsed, decided - start, perf_counter() - start)
     moment = Moment(tick, cycle, rig.truth(), timing)
     for observer in rig.observers:
         observer.observe(moment)

@@ -10,13 +10,10 @@ import numpy as np
 from control.command import RobotId
 from control.differentiator import begin_differentiator, differentiate
 from control.relative import RelativeRates, relative_state
-from datasets.cycle import SafetyEvent, Tick
+from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track
 from pipeline.setup import Setup
 from vision.scene import Scene
-
-ENGAGED = "engaged"
-"""Kind of the event that states the initial rates; it tells, it does not stop anything."""
 
 JERK, TURN_JERK = 1.0, 3.0  # bounds of the third derivatives while watching [m/s^3, rad/s^3]
 
@@ -76,31 +73,30 @@ def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
 
 
 def initial_rates(
-    setup: Setup, mission: Mission, t: float
-) -> tuple[Mapping[RobotId, RelativeRates], tuple[SafetyEvent, ...]]:
+    setup: Setup, mission: Mission
+) -> tuple[Mapping[RobotId, RelativeRates], tuple[str, ...]]:
     """h'(0) of every pair at the start of the mission (Assumption 5, Remark 5).
 
     Args:
         setup: formation and start-up rules.
         mission: with the glimpses of the watching phase.
-        t: the present moment [s].
 
     Returns:
-        Rates by follower, empty for robots that start from rest (case 1); and events that state
+        Rates by follower, empty for robots that start from rest (case 1); and notes that state
         the estimate and its spread (case 2).
     """
     if not setup.watch_time or len(mission.glimpses) < 3:
         return {}, ()
     rates: dict[RobotId, RelativeRates] = {}
-    events: list[SafetyEvent] = []
+    notes: list[str] = []
     times = [glimpse.t for glimpse in mission.glimpses]
     for index, pair in enumerate(setup.formation.pairs):
         distances = [glimpse.distances[index] for glimpse in mission.glimpses]
         bearings = np.unwrap([glimpse.bearings[index] for glimpse in mission.glimpses]).tolist()
         distance, bearing = _rate(times, distances, JERK), _rate(times, bearings, TURN_JERK)
         rates[pair.follower] = RelativeRates(distance[0], bearing[0], 0.0)
-        events.append(SafetyEvent(t, ENGAGED, pair.follower, _told(distance, bearing)))
-    return rates, tuple(events)
+        notes.append(f"robot {pair.follower} starts with {_told(distance, bearing)}")
+    return rates, tuple(notes)
 
 
 def _rate(times: list[float], values: list[float], lipschitz: float) -> tuple[float, float]:

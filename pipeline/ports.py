@@ -71,7 +71,11 @@ class Clock(Protocol):
     """The one time of a run, shared with capture timestamps."""
 
     def now(self) -> float:
-        """Present time [s]."""
+        """Tell the time.
+
+        Returns:
+            Present time [s].
+        """
         ...
 
     def wait_until(self, t: float) -> float:

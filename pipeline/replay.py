@@ -42,7 +42,8 @@ def refold(setup: Setup, moments: Iterable[Moment]) -> Iterator[tuple[Moment, Mo
     for recorded in moments:
         watch, start = Stopwatch(), perf_counter()
         memory, cycle = step(setup, memory, recorded.tick, watch.locate)
-        timing = Timing(watch.elapsed, perf_counter() - start)
+        taken = perf_counter() - start
+        timing = Timing(watch.elapsed, taken, taken)
         yield recorded, Moment(recorded.tick, cycle, recorded.truth, timing)
 
 

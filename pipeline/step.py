@@ -17,7 +17,8 @@ from pipeline.steering import Aim, commands_of, relate, steer
 from pipeline.tracking import Locate, ahead_of, look, remember
 from vision.locate import locate as find_robots
 
-NOTHING: tuple[Command, ...] = ()
+NO_COMMANDS: tuple[Command, ...] = ()
+NO_NOTES: tuple[str, ...] = ()
 
 
 def step(
@@ -46,16 +47,15 @@ def step(
     t_mission = t_effective - (tick.t if mission.t_start is None else mission.t_start)
     pairs, planned = relate(setup, tracks, t_mission), setup.path.at(t_mission)
 
-    laws, commands = Laws(), NOTHING
+    laws, commands, notes = Laws(), NO_COMMANDS, NO_NOTES
     if mission.phase in ("running", "holding"):
-        rates, told = initial_rates(setup, mission, tick.t)
+        rates, notes = initial_rates(setup, mission)
         laws, twists = steer(setup, memory.laws, Aim(planned, pairs, shares, rates), tracks, dt)
         commands = commands_of(setup, twists, tick.t, t_effective)
-        tracks, events = remember(tracks, commands), (*events, *told)
-        mission = replace(mission, glimpses=())
+        tracks, mission = remember(tracks, commands), replace(mission, glimpses=())
     robots = tuple(RobotState(robot, track.ahead) for robot, track in tracks.items())
     cycle = Cycle(
         tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,
-        planned if mission.t_start is not None else None, commands, events,
+        planned if mission.t_start is not None else None, commands, events, notes,
     )  # fmt: skip
     return Memory(tick.t, tracks, guard, mission, laws), cycle

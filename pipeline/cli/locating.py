@@ -8,7 +8,8 @@ from datasets.recorded import read_image
 from pipeline.cli.output import Output
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_setup
-from vision.frame import as_frame
+from pipeline.viewers.overlay import draw_scene, write_picture
+from vision.frame import Frame, as_frame
 from vision.locate import locate
 from vision.scene import Detection, Scene
 
@@ -39,7 +40,7 @@ def locate_images(
         frame = as_frame(read_image(path), 0.0, sequence, str(path))
         scene = locate(frame, setup.eye_for(frame.size_px), ())
         if overlay is not None:
-            _draw(setup, frame.image, scene, overlay / f"{path.stem}.png")
+            _draw(setup, frame, scene, overlay / f"{path.stem}.png")
         if output.as_json:
             found.append(_to_json(path, scene))
         else:
@@ -86,13 +87,7 @@ def _tell(path: Path, scene: Scene, output: Output) -> None:
         output.say(f"  not accepted at ({r.x:.0f}, {r.y:.0f}) px: {r.reason}")
 
 
-def _draw(setup: Setup, image: Any, scene: Scene, path: Path) -> None:
-    from pipeline.viewers.overlay import draw_scene, write_picture
-
+def _draw(setup: Setup, frame: Frame, scene: Scene, path: Path) -> None:
+    camera = setup.eye_for(frame.size_px).camera
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_picture(
-        path,
-        draw_scene(
-            image, scene, setup.tags, setup.eye_for((image.shape[1], image.shape[0])).camera
-        ),
-    )
+    write_picture(path, draw_scene(frame.image, scene, setup.tags, camera))

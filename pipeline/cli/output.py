@@ -144,7 +144,7 @@ def _run(result: RunResult) -> list[tuple[str, ...]]:
         ("safety events", str(len(result.safety_events))),
     ]
     rows += [(f"  {e.t:.2f} s {e.kind}", _event(e)) for e in result.safety_events[:20]]
-    return rows
+    return rows + [("note", note) for note in result.notes]
 
 
 def _event(event: SafetyEvent) -> str:

@@ -1,0 +1,1 @@
+"""Worlds with known truth, the camera that renders them, and the files sessions are kept in."""

@@ -1,0 +1,151 @@
+"""The renderer is a camera: it takes true states and yields what a `CameraModel` would deliver.
+
+Tags are projected corner by corner and drawn by exact area coverage, never rounded to pixels. The
+picture is linear in the coverages, so the lens blurs only the difference that robots make to the
+floor, in small windows; the empty floor is blurred once.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from control.command import RobotId
+from datasets.cycle import RobotState
+from datasets.drawing import Drawing, uncovered
+from datasets.errors import SimulationError
+from datasets.floor import Floor, paint_floor
+from datasets.sensor import SensorModel
+from vision.camera import CameraModel
+from vision.palette import NamedColor
+from vision.tags import TagSet
+
+Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Rectangle = tuple[slice, slice]
+
+BLACK = NamedColor("black", (12, 12, 12))
+_TICKS = 1_000_000  # frames are numbered by the microsecond
+_STEPS = 16  # points on each side of the image when its view of the floor is measured
+
+
+class Renderer:
+    """A camera above a floor with robots; the same seed and moment give the same picture."""
+
+    def __init__(
+        self,
+        camera: CameraModel,
+        tags: TagSet,
+        colors: tuple[NamedColor, ...],
+        sensor: SensorModel,
+        seed: int = 0,
+        floor: Floor | None = None,
+    ) -> None:
+        """Paint, light and blur the empty floor.
+
+        Args:
+            camera: where it hangs and how it projects.
+            tags: what the robots wear.
+            colors: how the tags' colours look under full light; black need not be given.
+            sensor: what the camera does to the light.
+            seed: of noise and floor, >= 0.
+            floor: how the floor looks, by default dark with a field's lines.
+
+        Raises:
+            SimulationError: if a tag has a colour that is not given.
+        """
+        self._colors = {color.name: color.bgr for color in (BLACK, *colors)}
+        missing = [color for color in tags.colors if color not in self._colors]
+        if missing:
+            raise SimulationError(f"tags use {missing}, but only {list(self._colors)} are given")
+        self._camera, self._sensor = camera, sensor
+        self._tags = {tag.robot_id: tag for tag in tags.tags}
+        self._drawings: dict[tuple[RobotId, ...], Drawing] = {}
+        self._low, self._high = _seen_floor(camera, tags.outer_radius)
+        self._stages = sensor.stages(camera.size_px, seed)
+        self._margin = margin = sensor.blur_radius
+        self._light = sensor.light(camera.size_px, margin)[..., None]
+        self._sharp = paint_floor(camera, floor or Floor(), margin, seed) * self._light
+        inside = slice(margin, self._sharp.shape[0] - margin), slice(margin, -margin or None)
+        self._empty = np.ascontiguousarray(sensor.blur(self._sharp)[inside])
+
+    def render(self, states: tuple[RobotState, ...], t: float) -> NDArray[np.uint8]:
+        """Take a picture.
+
+        Args:
+            states: true states at the moment of capture; where bodies overlap, the earlier robot
+                hides the later one.
+            t: moment of capture; it numbers the frame for all that is random [s].
+
+        Returns:
+            Shape (H, W, 3), BGR, read-only.
+
+        Raises:
+            SimulationError: if a robot wears no tag or a pose is not finite.
+        """
+        image = self._empty.copy()
+        self._add_robots(image, self._in_view(states))
+        frame = round(t * _TICKS) & 0xFFFFFFFFFFFF
+        for stage in self._stages:
+            image = stage(image, frame)
+        picture: NDArray[np.uint8] = image.astype(np.uint8, copy=False)
+        picture.flags.writeable = False
+        return picture
+
+    def _in_view(self, states: tuple[RobotState, ...]) -> tuple[RobotState, ...]:
+        """Robots that may appear; beyond the seen floor a lens model means nothing."""
+        for state in states:
+            if state.robot_id not in self._tags:
+                raise SimulationError(f"robot {state.robot_id} wears no tag")
+            if not np.isfinite((state.state.x, state.state.y, state.state.theta)).all():
+                raise SimulationError(f"robot {state.robot_id} to be rendered is at {state.state}")
+        (x0, y0), (x1, y1) = self._low, self._high
+        return tuple(s for s in states if x0 < s.state.x < x1 and y0 < s.state.y < y1)
+
+    def _add_robots(self, image: Singles, states: tuple[RobotState, ...]) -> None:
+        """Add to the empty picture what the robots change."""
+        if not states:
+            return
+        drawing = self._drawing(tuple(state.robot_id for state in states))
+        poses = np.array([(s.state.x, s.state.y, s.state.theta) for s in states])
+        corners = drawing.corners(poses, self._camera) + 0.5  # to corner coordinates
+        origins, size = drawing.windows(corners, self._margin)
+        inks, plates = drawing.painted(corners, origins, size)
+        uncovered(inks, plates, origins)
+        change = np.zeros((len(states), *size, 3), np.float32)
+        for index, origin in enumerate(origins + self._margin):
+            there, here = _overlap(origin, size, self._sharp.shape)
+            ink, plate = inks[index][here], plates[index][here][..., None]
+            change[index][here] = ink * self._light[there] - plate * self._sharp[there]
+        seen = self._sensor.blur(change.reshape(-1, size[1], 3)).reshape(change.shape)
+        for index, origin in enumerate(origins):
+            there, here = _overlap(origin, size, image.shape)
+            image[there] += seen[index][here]
+
+    def _drawing(self, ids: tuple[RobotId, ...]) -> Drawing:
+        """The polygons of some robots, made once."""
+        if ids not in self._drawings:
+            self._drawings[ids] = Drawing(tuple(self._tags[i] for i in ids), self._colors)
+        return self._drawings[ids]
+
+
+def _overlap(
+    origin: NDArray[np.intp], size: tuple[int, int], shape: tuple[int, ...]
+) -> tuple[Rectangle, Rectangle]:
+    """The part of a window inside an image: in the image's indices and in the window's."""
+    there, here = [], []
+    for first, length, limit in zip(origin[::-1], size, shape, strict=False):
+        low, high = min(max(first, 0), limit), min(max(first + length, 0), limit)
+        there.append(slice(low, high))
+        here.append(slice(low - first, high - first))
+    return (there[0], there[1]), (here[0], here[1])
+
+
+def _seen_floor(camera: CameraModel, radius: float) -> tuple[Floats, Floats]:
+    """Least and greatest x, y of tags that may show, shape (2,) each [m]."""
+    width, height = camera.size_px
+    along = np.linspace(0.0, 1.0, _STEPS)
+    rims = np.repeat((0.0, 1.0), _STEPS)
+    border = np.column_stack((np.tile(along, 4), np.tile(rims, 2)))
+    border[2 * _STEPS :] = border[2 * _STEPS :, ::-1]
+    seen = camera.to_floor(border * (width, height) - 0.5, camera.tag_height)
+    reach = 2.0 * radius
+    return np.nanmin(seen, axis=0) - reach, np.nanmax(seen, axis=0) + reach

@@ -1,0 +1,1 @@
+"""Viewers: observers that show a run while it happens."""

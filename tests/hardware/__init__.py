@@ -1,0 +1,1 @@
+"""Emulated hardware at the far end of real sockets and ptys."""

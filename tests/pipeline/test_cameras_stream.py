@@ -1,0 +1,210 @@
+"""Network cameras over real sockets with real codecs: what arrives, when it was taken, how it ends."""
+
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import av
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from pipeline.cameras.newest import NewestFrame
+from pipeline.cameras.stream import open_stream, public_name
+from pipeline.clock import MonotonicClock
+from pipeline.errors import CameraError
+from tests.hardware.streams import MjpegServer, Streamer, UdpSender
+
+FPS = 30.0
+SIZE = (320, 240)
+CLOCK = MonotonicClock()
+
+
+def numbered(number: int) -> NDArray[np.uint8]:
+    """A picture that says its number in ten black and white squares."""
+    image = np.full((SIZE[1], SIZE[0], 3), 60, np.uint8)
+    for bit in range(10):
+        image[16:48, 32 * bit : 32 * bit + 32] = 255 * (number >> bit & 1)
+    return image
+
+
+def number_in(image: NDArray[np.uint8]) -> int:
+    return sum(1 << b for b in range(10) if image[24:40, 32 * b + 8 : 32 * b + 24].mean() > 128)
+
+
+class Filming:
+    """Streams numbered pictures in real time; each leaves up to `jitter` late."""
+
+    def __init__(self, streamer: Streamer, frames: int, jitter: float) -> None:
+        self.taken: list[float] = []
+        self._streamer, self._frames = streamer, frames
+        self._delays = np.random.default_rng(0).uniform(0.0, jitter, frames)
+        self._delays[::7] = 0.0
+        self.thread = threading.Thread(target=self._run, daemon=True)
+        self.thread.start()
+
+    def _run(self) -> None:
+        start = CLOCK.now()
+        for number in range(self._frames):
+            t = start + number / FPS
+            CLOCK.wait_until(t + self._delays[number])
+            self.taken.append(t)
+            self._streamer.publish(numbered(number), t)
+        self._streamer.close()
+
+
+def received(camera: NewestFrame) -> Iterator[tuple[int, float, float]]:
+    """Number, capture time and arrival of every frame until the stream fails."""
+    while True:
+        try:
+            frame = camera.latest(CLOCK.now())
+        except CameraError:
+            return
+        if frame is None:
+            time.sleep(0.001)
+        else:
+            yield number_in(frame.image), frame.t_capture, CLOCK.now()
+
+
+@contextmanager
+def camera_at(url: str, latency: float = 0.0) -> Iterator[NewestFrame]:
+    camera = open_stream(url, CLOCK, latency)
+    try:
+        yield camera
+    finally:
+        camera.close()
+
+
+@pytest.mark.parametrize(
+    ("make", "spread"),
+    [
+        (MjpegServer, 0.060),  # has no times of its own: the jitter of arrival stays
+        (lambda: UdpSender(SIZE, FPS), 0.012),
+    ],
+)
+def test_frames_arrive_in_order_with_their_capture_times(
+    make: Callable[[], Streamer], spread: float
+) -> None:
+    streamer = make()
+    film = Filming(streamer, 100, jitter=0.03)
+    with camera_at(streamer.url) as camera:
+        got = [frame for frame in received(camera) if frame[0] < len(film.taken)]
+        with pytest.raises(CameraError, match=r"ended|broke off"):
+            camera.latest(CLOCK.now())
+    numbers = [number for number, _, _ in got]
+    assert numbers == sorted(set(numbers))
+    assert len(numbers) > 50
+    settled = [(film.taken[n], t, arrival) for n, t, arrival in got if n > 40]
+    delays = np.array([t - taken for taken, t, _ in settled])
+    assert delays.min() > -1e-3
+    assert all(t <= arrival for _, t, arrival in settled)
+    # Arrivals are spread over 30 ms; with the stream's own times the capture times are not.
+    assert np.ptp(delays[:-2]) < spread
+
+
+def test_latency_is_subtracted() -> None:
+    server = MjpegServer()
+    Filming(server, 30, 0.0)
+    with camera_at(server.url, latency=0.25) as camera:
+        _, t_capture, arrival = next(received(camera))
+    assert arrival - t_capture >= 0.25
+
+
+def test_raw_h264_without_container_is_cut_into_pictures() -> None:
+    """What small boards send: no container, no timestamps, datagrams that end anywhere."""
+    sender = RawH264()
+    film = Filming(sender, 90, 0.0)
+    with camera_at(sender.url) as camera:
+        got = [(n, t - film.taken[n]) for n, t, _ in received(camera)]
+    numbers = [number for number, _ in got]
+    assert len(numbers) > 10
+    assert numbers == sorted(set(numbers))
+    # What queued up during opening would look fresh by its arrival: it is not handed out.
+    assert max(age for number, age in got if number < 85) < 0.15
+
+
+class RawH264:
+    """An H.264 elementary stream in datagrams of 1024 bytes."""
+
+    def __init__(self) -> None:
+        inner = UdpSender(SIZE, FPS)
+        self.url = inner.url
+        inner.close()
+        port = int(self.url.rpartition(":")[2])
+        self._to = ("127.0.0.1", port)
+        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._codec = av.CodecContext.create("libx264", "w")
+        self._codec.width, self._codec.height, self._codec.pix_fmt = *SIZE, "yuv420p"
+        self._codec.framerate, self._codec.gop_size = 30, 10
+        self._codec.options = {"preset": "ultrafast", "tune": "zerolatency"}
+
+    def publish(self, image: NDArray[np.uint8], t: float) -> None:
+        for packet in self._codec.encode(av.VideoFrame.from_ndarray(image, format="bgr24")):
+            data = bytes(packet)
+            for start in range(0, len(data), 1024):
+                self._socket.sendto(data[start : start + 1024], self._to)
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+def test_noise_on_the_line_gives_no_invented_picture_and_does_not_end_the_stream() -> None:
+    sender = UdpSender(SIZE, FPS)
+    film = Filming(sender, 60, 0.0)
+    to = ("127.0.0.1", int(sender.url.rpartition(":")[2]))
+    with camera_at(sender.url) as camera, socket.socket(type=socket.SOCK_DGRAM) as line:
+        numbers, noise = [], np.random.default_rng(1)
+        for number, _, _ in received(camera):
+            numbers.append(number)
+            line.sendto(noise.bytes(1316), to)
+    assert film.taken
+    assert len(numbers) > 5
+    assert numbers == sorted(numbers)
+
+
+def test_a_server_that_answers_without_video() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=answer_with_text, args=(server,), daemon=True).start()
+        with pytest.raises(CameraError, match="cannot open: ") as caught:
+            open_stream(f"http://127.0.0.1:{server.getsockname()[1]}/", CLOCK)
+    assert "\n" not in str(caught.value)
+
+
+def answer_with_text(server: socket.socket) -> None:
+    connection, _ = server.accept()
+    with connection:
+        connection.recv(4096)
+        connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: text/html\r\n\r\n<p>Hello</p>")
+
+
+def test_a_server_that_never_answers_is_given_up() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        url = f"http://127.0.0.1:{server.getsockname()[1]}/"
+        with pytest.raises(CameraError, match=r"no data for 0.3 s|within 0.3 s"):
+            open_stream(url, CLOCK, timeout=0.3)
+
+
+def test_a_stream_that_falls_silent_has_failed() -> None:
+    server = MjpegServer()
+    with camera_at_after_first(server) as camera:
+        list(received(camera))
+        with pytest.raises(CameraError, match="broke off: no data for 2 s"):
+            camera.latest(CLOCK.now())
+    server.close()
+
+
+@contextmanager
+def camera_at_after_first(server: MjpegServer) -> Iterator[NewestFrame]:
+    server.publish(numbered(1), 0.0)
+    threading.Timer(0.2, lambda: server.publish(numbered(2), 0.0)).start()
+    with camera_at(server.url) as camera:
+        yield camera
+
+
+def test_passwords_are_neither_shown_nor_recorded() -> None:
+    assert public_name("rtsp://me:secret@10.0.0.7:554/live?x=1") == "rtsp://10.0.0.7:554/live?x=1"
+    with pytest.raises(CameraError) as caught:
+        open_stream("http://me:secret@127.0.0.1:9/x", CLOCK)
+    assert "secret" not in str(caught.value)

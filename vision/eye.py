@@ -1,0 +1,129 @@
+"""Everything about the seeing that stays the same from frame to frame, worked out once."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.camera import CameraModel
+from vision.errors import VisionError
+from vision.floor_map import block_floor, floor_map, image_scales, scale_levels
+from vision.optics import ChromaModel, Optics
+from vision.palette import Palette
+from vision.shapes import Shape, group_tags, make_shape
+from vision.tags import TagSet
+from vision.template import Singles, Templates, stack_templates
+
+__all__ = ["ChromaModel", "Eye", "Optics", "Thresholds", "make_eye"]
+
+_REACH_PX = 0.5  # of the window beyond the tag
+_USED_PX = 20  # pixels along the side of a window that are used; larger windows are thinned out
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """When a candidate counts as a tag.
+
+    Attributes:
+        blob_share: smallest blob, as a share of the smallest coloured part.
+        distance_share: error of the distance of two blobs, as a share of the expected distance.
+        agreement: share of sample points that must show the part's colour before the fit.
+        light_spread: standard deviation of the logarithm of the light on the parts of one tag, as
+            told by their brightness.
+        confidence: probability of the tag's colours, after the fit.
+        residual_px: largest rms misfit after the fit [px].
+        max_blobs: larger numbers are cut, the largest blobs stay.
+        max_candidates: larger numbers are cut, the best candidates stay.
+    """
+
+    blob_share: float = 0.2
+    distance_share: float = 0.4
+    agreement: float = 0.4
+    light_spread: float = 0.3
+    confidence: float = 0.5
+    residual_px: float = 0.8
+    max_blobs: int = 400
+    max_candidates: int = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Eye:
+    """What `locate` needs besides the frame; made by `make_eye`.
+
+    Attributes:
+        camera: of the frames.
+        tags: worn by the robots.
+        palette: colour classes.
+        optics: sharpness and noise.
+        thresholds: of acceptance.
+        shapes: geometries of the tags.
+        shape_of: shape (T,), index of every tag's geometry.
+        templates: blurred coverages.
+        floor: shape (H, W, 3), homogeneous floor point (x, y, 1) at tag height behind every pixel
+            [m].
+        block_floor: shape (H // 2, W // 2, 3), the same of the chroma samples of 2 x 2 blocks.
+        level: shape (H, W), index of the scale nearest to every pixel's.
+        window_px: side of the window around a tag, even [px].
+        thinning: every so many 2 x 2 blocks of a window are used, along x and along y.
+        min_blob_px: area of the smallest blob that counts [px].
+    """
+
+    camera: CameraModel
+    tags: TagSet
+    palette: Palette
+    optics: Optics
+    thresholds: Thresholds
+    shapes: tuple[Shape, ...]
+    shape_of: NDArray[np.intp]
+    templates: Templates
+    floor: Singles
+    block_floor: Singles
+    level: NDArray[np.uint8]
+    window_px: int
+    thinning: int
+    min_blob_px: float
+
+
+def make_eye(
+    camera: CameraModel,
+    tags: TagSet,
+    palette: Palette,
+    optics: Optics | None = None,
+    thresholds: Thresholds | None = None,
+) -> Eye:
+    """Work out templates, sample points and the floor point of every pixel.
+
+    Args:
+        camera: of the frames.
+        tags: worn by the robots, at least one.
+        palette: with every colour the tags search for.
+        optics: sharpness and noise; the default if None.
+        thresholds: of acceptance; the default if None.
+
+    Returns:
+        The eye.
+
+    Raises:
+        VisionError: if there are no tags, the palette lacks a colour, or no pixel sees the floor.
+    """
+    optics, thresholds = optics or Optics(), thresholds or Thresholds()
+    lacking = [color for color in tags.search_colors if palette.class_of(color) == 0]
+    if lacking or not tags.tags:
+        raise VisionError(f"{len(tags.tags)} tags; the palette lacks {', '.join(lacking) or '-'}")
+    scales, groups = image_scales(camera), group_tags(tags.tags)
+    half = int(np.ceil(tags.outer_radius * float(scales[-1]) + _REACH_PX))
+    window = min(2 * half + 2, min(camera.size_px) // 2 * 2)
+    worn = tuple(tags.tags[group[0]] for group in groups)
+    templates, sharp = stack_templates(worn, scales, optics, window)
+    shapes = tuple(make_shape(tags, *pair, palette) for pair in zip(groups, sharp, strict=True))
+    shape_of = np.argsort(np.concatenate(groups))  # where each tag stands in the list of groups
+    shape_of = np.repeat(np.arange(len(groups)), [len(group) for group in groups])[shape_of]
+    floor = floor_map(camera)
+    thinning = max(1, round(window / _USED_PX))
+    smallest = min(float(s.areas[s.part_classes.any(axis=0)].min()) for s in shapes)
+    least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
+    return Eye(
+        camera, tags, palette, optics, thresholds, shapes, shape_of, templates,
+        floor, block_floor(floor, optics.chroma), scale_levels(floor, scales),
+        window, thinning, least_px,
+    )  # fmt: skip
