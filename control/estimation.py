@@ -168,6 +168,11 @@ def correct(estimate: Estimate, pose: Pose2D, covariance: Array) -> Estimate:
     return Estimate(estimate.t, ekf.x, _symmetric(ekf.P))
 
 
+def load_filter() -> None:
+    """Import the filter's library now (0.8 s), so that the first frame need not wait for it."""
+    _extended_kalman_filter()
+
+
 @cache
 def _extended_kalman_filter() -> Callable[..., Any]:
     from filterpy.kalman import ExtendedKalmanFilter  # here, for it takes 0.8 s to import

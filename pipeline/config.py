@@ -148,8 +148,8 @@ class LeaderConfig(Section):
     speed_mps: Positive = 0.5
     ramp_s: Positive = 1.0
     segments: tuple[SegmentConfig, ...] = Field(min_length=1)
-    proportional: Positive = 6.0
-    integral: Positive = 9.0
+    proportional: Positive = 8.0
+    integral: Positive = 16.0
     reaching_mps2: Positive = 3.0
     point_offset_m: Positive = 0.1
 
@@ -165,6 +165,7 @@ class ControlConfig(Section):
     proportional: PerChannel = (2.0, 2.0)
     integral: PerChannel = (1.0, 1.0)
     camera_offset_m: Positive = 0.05
+    leader_commands_known: bool = False
     speed_limit_mps: Positive = 1.5
     turn_limit_radps: Positive = 15.0
 

@@ -8,7 +8,7 @@ from math import radians
 
 from control.actuation import Actuation
 from control.errors import ControlError
-from control.estimation import MotionModel
+from control.estimation import MotionModel, load_filter
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
 from control.leader import LeaderGains, PathSegment, PlannedPath
@@ -50,6 +50,8 @@ class Setup:
         gains: of the followers' law.
         follower: a follower's geometry and motors.
         leader_gains: of the leader's law.
+        leader_commands_known: whether followers are told the accelerations their leaders are
+            commanded; the paper tells them nothing.
         motion: model of a robot that obeys the commands sent.
         free_motion: model of a robot nobody has commanded yet.
         rules: of safety.
@@ -70,6 +72,7 @@ class Setup:
     gains: SlidingGains
     follower: FollowerModel
     leader_gains: LeaderGains
+    leader_commands_known: bool
     motion: MotionModel
     free_motion: MotionModel
     rules: SafetyRules
@@ -122,6 +125,7 @@ def make_setup(scenario: Scenario) -> Setup:
     Raises:
         ConfigError: if the formation, the path, the tags or the camera are inconsistent.
     """
+    load_filter()
     try:
         return _setup(scenario, scenario.control.command_period_s)
     except (ControlError, VisionError) as error:
@@ -214,6 +218,7 @@ def _setup(scenario: Scenario, period: float) -> Setup:
         gains=_gains(scenario, period),
         follower=_follower(scenario),
         leader_gains=_leader_gains(scenario.leader),
+        leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
         free_motion=_motion(scenario, None, doubt),
         rules=_rules(scenario),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from control.command import Command, RobotId
 from control.formation import Pair
 from control.leader import LeaderMemory, PlannedMotion, begin_leader, leader_step
-from control.relative import RelativeRates, relative_state
+from control.relative import RelativeRates, Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
 from control.unicycle import Twist
 from datasets.cycle import PairState
@@ -14,6 +14,7 @@ from pipeline.memory import Laws, Track
 from pipeline.setup import Setup
 
 STANDSTILL = Twist(0.0, 0.0)
+AT_REST: Vector2 = (0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,12 +69,15 @@ def steer(
     Returns:
         New memories, and the twist of every robot of the formation.
     """
-    leader, twist = _lead(setup, laws, aim, tracks[setup.formation.root], dt)
-    twists = {setup.formation.root: twist}
+    root = setup.formation.root
+    leader, twist = _lead(setup, laws, aim, tracks[root], dt)
+    twists, given = {root: twist}, {root: leader.acceleration if leader else AT_REST}
     followers: dict[RobotId, FollowerMemory] = {}
     for pair in aim.pairs:
         robot = pair.follower
-        memory, twists[robot] = _follow(setup, laws, aim, pair, tracks, dt)
+        known = given[pair.leader] if setup.leader_commands_known else AT_REST
+        memory, twists[robot] = _follow(setup, laws, aim, pair, tracks[robot], known, dt)
+        given[robot] = memory.acceleration if memory else AT_REST
         if memory is not None:
             followers[robot] = memory
     return Laws(leader, followers), twists
@@ -114,24 +118,31 @@ def _lead(
         return None, STANDSTILL
     memory = laws.leader or begin_leader(track.ahead, aim.planned, setup.leader_gains)
     memory, twist = leader_step(
-        memory, track.ahead, aim.planned, dt, setup.leader_gains, setup.follower.actuation
-    )
+        memory, track.ahead, aim.planned, dt, setup.leader_gains, setup.follower.actuation,
+        track.estimate.gain,
+    )  # fmt: skip
     return memory, _scaled(twist, share)
 
 
 def _follow(
-    setup: Setup, laws: Laws, aim: Aim, pair: PairState, tracks: Mapping[RobotId, Track], dt: float
+    setup: Setup,
+    laws: Laws,
+    aim: Aim,
+    pair: PairState,
+    track: Track,
+    leader_acceleration: Vector2,
+    dt: float,
 ) -> tuple[FollowerMemory | None, Twist]:
     """A follower's sample, from a memory that begins when there is none."""
     share = aim.shares[pair.follower]
     if share == 0.0:
         return None, STANDSTILL
-    own = tracks[pair.follower].ahead.twist
     memory = laws.followers.get(pair.follower)
     if memory is None:
         rates = aim.rates.get(pair.follower)
         memory = begin(pair.relative, pair.reference, setup.gains, rates)
-    sample = FollowerSample(pair.relative, own, pair.reference)
+    own, gain = track.ahead.twist, track.estimate.gain
+    sample = FollowerSample(pair.relative, own, pair.reference, leader_acceleration, gain)
     memory, twist = follower_step(memory, sample, dt, setup.gains, setup.follower)
     return memory, _scaled(twist, share)
 

@@ -102,7 +102,8 @@ def _model(setup: Setup, sent: SentCommands) -> MotionModel:
 def _rolled(setup: Setup, track: Track, t: float) -> Track:
     if t <= track.t_ahead:
         return track
-    state = roll(track.ahead, track.t_ahead, t, track.sent, _model(setup, track.sent))
+    model, gain = _model(setup, track.sent), track.estimate.gain
+    state = roll(track.ahead, track.t_ahead, t, track.sent, model, gain)
     return Track(track.estimate, state, t, track.sent)
 
 

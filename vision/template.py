@@ -182,7 +182,8 @@ def _coverage(polygon: Floats, axis: Floats, cell: float) -> Floats:
         crossing = x0 + (fine[rows] - y0) * (x1 - x0) / (y1 - y0 if y1 != y0 else 1.0)
         inside[rows] ^= fine < crossing[:, None]
     n = len(axis)
-    return inside.reshape(n, _FINE, n, _FINE).mean(axis=(1, 3))
+    share: Floats = inside.reshape(n, _FINE, n, _FINE).mean(axis=(1, 3))
+    return share
 
 
 def _blurred(image: Floats, sigma: float) -> Floats:

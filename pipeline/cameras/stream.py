@@ -10,8 +10,8 @@ from pipeline.errors import CameraError
 from pipeline.ports import Clock
 
 READ_TIMEOUT = 2.0  # a stream that is silent for longer has failed [s]
-# What has queued up while the stream was probed says nothing about delays: it is decoded, not shown,
-# until a packet had to be waited for.
+# What has queued up while the stream was probed says nothing about delays: it is decoded but not
+# shown, until a packet had to be waited for.
 BACKLOG, BACKLOG_WAIT = 100, 0.004  # packets at most, wait that ends it [1, s]
 
 # What FFmpeg would hold back for smoothness is wrong for control: the newest picture counts.

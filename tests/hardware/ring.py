@@ -30,7 +30,7 @@ from datasets.sensor import SensorModel
 from datasets.world import RobotPlant, World
 from pipeline.config import RobotConfig, Scenario
 from pipeline.scenario import load_scenario
-from pipeline.setup import named_colors, make_camera, make_tags
+from pipeline.setup import make_camera, make_tags, named_colors
 from tests.hardware.miabot_robot import Miabot, Ptys
 from tests.hardware.streams import MjpegServer, Streamer, UdpSender
 

@@ -1,4 +1,4 @@
-"""The newest-frame thread: what is unread is replaced, failures are told once the frames are out."""
+"""The newest-frame thread: what is unread is replaced, failures are told after the last frame."""
 
 import threading
 import time

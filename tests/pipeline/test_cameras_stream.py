@@ -1,10 +1,11 @@
-"""Network cameras over real sockets with real codecs: what arrives, when it was taken, how it ends."""
+"""Network cameras over real sockets and codecs: what arrives, when it was taken, how it ends."""
 
 import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from fractions import Fraction
 
 import av
 import numpy as np
@@ -137,10 +138,10 @@ class RawH264:
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._codec = av.CodecContext.create("libx264", "w")
         self._codec.width, self._codec.height, self._codec.pix_fmt = *SIZE, "yuv420p"
-        self._codec.framerate, self._codec.gop_size = 30, 10
+        self._codec.framerate, self._codec.gop_size = Fraction(30), 10
         self._codec.options = {"preset": "ultrafast", "tune": "zerolatency"}
 
-    def publish(self, image: NDArray[np.uint8], t: float) -> None:
+    def publish(self, image: NDArray[np.uint8], t: float) -> None:  # noqa: ARG002 - no room for it
         for packet in self._codec.encode(av.VideoFrame.from_ndarray(image, format="bgr24")):
             data = bytes(packet)
             for start in range(0, len(data), 1024):

@@ -16,6 +16,7 @@ from pipeline.radios.miabot import MiabotPort, MiabotRadio, MiabotSettings
 from tests.hardware.miabot_robot import Miabot, Ptys
 
 CLOCK = MonotonicClock()
+DEFAULTS = MiabotSettings()
 
 
 def until(happened: Callable[[], object], patience: float = 5.0) -> bool:
@@ -31,9 +32,7 @@ def command(robot_id: int | str = 1, v: float = 0.1, omega: float = 0.0) -> Comm
 
 
 @contextmanager
-def connected(
-    paths: list[str], settings: MiabotSettings = MiabotSettings()
-) -> Iterator[MiabotRadio]:
+def connected(paths: list[str], settings: MiabotSettings = DEFAULTS) -> Iterator[MiabotRadio]:
     ports = tuple(MiabotPort(number, path) for number, path in enumerate(paths, 1))
     radio = MiabotRadio(ports, settings, CLOCK)
     try:
@@ -152,9 +151,9 @@ def test_a_missing_port_is_one_clear_line_and_the_others_are_released() -> None:
 
 
 def test_a_port_in_use_says_so() -> None:
-    with Ptys([Miabot()]) as ptys, connected(ptys.paths):
-        with pytest.raises(RadioError, match="another program uses it"):
-            MiabotRadio((MiabotPort(1, ptys.paths[0]),), MiabotSettings(), CLOCK)
+    busy = pytest.raises(RadioError, match="another program uses it")
+    with Ptys([Miabot()]) as ptys, connected(ptys.paths), busy:
+        MiabotRadio((MiabotPort(1, ptys.paths[0]),), MiabotSettings(), CLOCK)
 
 
 def test_ten_megabytes_of_garbage_do_not_hold_up_commands() -> None:
@@ -189,7 +188,9 @@ def test_half_a_line_of_the_robots_is_finished_later() -> None:
         assert until(lambda: radio.reports[0].encoders)
 
 
-def test_a_port_that_closes_loses_that_robot_only_and_comes_back(tmp_path: os.PathLike) -> None:
+def test_a_port_that_closes_loses_that_robot_only_and_comes_back(
+    tmp_path: os.PathLike[str],
+) -> None:
     link = os.path.join(tmp_path, "robot1")
     with Ptys([Miabot(2)]) as other:
         first = Ptys([Miabot()])

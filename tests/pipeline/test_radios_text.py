@@ -1,5 +1,7 @@
 """The Miabot's language: what is written is whole and in range, what is read survives anything."""
 
+from itertools import pairwise
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -60,9 +62,10 @@ def test_replies_are_found_however_they_are_cut_and_whatever_stands_between(
     noise: list[bytes], cuts: list[int]
 ) -> None:
     stream = b"".join(rubbish + b"<r%d>" % n for n, rubbish in enumerate(noise)) + b"<last>"
-    parser, found = ReplyParser(), []
+    parser = ReplyParser()
+    found: list[str] = []
     edges = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
-    for start, end in zip(edges, edges[1:], strict=False):
+    for start, end in pairwise(edges):
         found += parser.feed(stream[start:end])
     assert found == [*(f"r{n}" for n in range(len(noise))), "last"]
     assert parser.garbage == sum(map(len, noise))
