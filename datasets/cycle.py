@@ -80,7 +80,8 @@ class Cycle:
     Attributes:
         t: the moment of the cycle [s].
         t_effective: when its commands reach the wheels [s].
-        phase: "searching", "watching", "running", "holding" or "finished".
+        phase: "searching", "watching", "running", "holding", "finished" or "stopped" (for good,
+            by the safety rules).
         t_start: when the mission's clock started [s], None before.
         scene: what was seen, None without a new frame.
         robots: predicted states at t_effective.

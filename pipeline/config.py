@@ -209,6 +209,7 @@ class SafetyConfig(Section):
     stop_after_s: Positive = 0.3
     camera_silent_s: Positive = 0.2
     good_frames_s: NonNegative = 1.0
+    give_up_s: Positive = 10.0
 
     @model_validator(mode="after")
     def _slow_before_stop(self) -> Self:

@@ -21,12 +21,14 @@ class SafetyRules:
         stop_after: and stands after this [s].
         camera_silent: without a frame all stop after this [s].
         good_frames: frames must come steadily for this long before motion resumes [s].
+        give_up: when the whole formation has stood for this long, the run ends [s].
     """
 
     slow_after: float = 0.2
     stop_after: float = 0.3
     camera_silent: float = 0.2
     good_frames: float = 1.0
+    give_up: float = 10.0
 
 
 @dataclass(frozen=True, slots=True)

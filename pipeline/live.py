@@ -16,6 +16,9 @@ from vision.frame import Frame
 from vision.locate import Prediction, locate
 from vision.scene import Scene
 
+ENDS = ("finished", "stopped")
+"""Phases after which there is no further cycle."""
+
 Truth = Callable[[], tuple[RobotState, ...]]
 
 
@@ -90,7 +93,8 @@ def run(
         interrupted: asked once a tick.
 
     Returns:
-        Why it ended: "finished", "time", "frames ended" or "interrupted".
+        Why it ended: "finished", "stopped" (by the safety rules), "time", "frames ended" or
+        "interrupted".
 
     Raises:
         CameraError: if the camera fails.
@@ -112,17 +116,18 @@ def _turn(
     interrupted: Callable[[], bool],
 ) -> str:
     """Tick after tick; a tick that is late is not made up for, the next one keeps the beat."""
-    memory, lost, origin, count = Memory(), (), rig.clock.now(), 0
+    memory, origin, count = Memory(), rig.clock.now(), 0
+    lost: tuple[RobotId, ...] = ()
     while not interrupted():
         now = rig.clock.now()
         if duration is not None and now >= duration:
             return "time"
         try:
-            memory, lost, finished = _tick(setup, rig, memory, now, lost)
+            memory, lost = _tick(setup, rig, memory, now, lost)
         except EndOfStream:
             return "frames ended"
-        if finished:
-            return "finished"
+        if memory.mission.phase in ENDS:
+            return memory.mission.phase
         count = max(count + 1, ceil((rig.clock.now() - origin) / period - 0.5))
         rig.clock.wait_until(origin + count * period)
     return "interrupted"
@@ -130,7 +135,7 @@ def _turn(
 
 def _tick(
     setup: Setup, rig: Rig, memory: Memory, now: float, lost: tuple[RobotId, ...]
-) -> tuple[Memory, tuple[RobotId, ...], bool]:
+) -> tuple[Memory, tuple[RobotId, ...]]:
     """Frame, step, commands, observers."""
     watch = Stopwatch()
     frame = rig.source.latest(now)
@@ -143,4 +148,4 @@ def _tick(
     moment = Moment(tick, cycle, rig.truth(), timing)
     for observer in rig.observers:
         observer.observe(moment)
-    return memory, lost, cycle.phase == "finished"
+    return memory, lost

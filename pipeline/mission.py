@@ -42,9 +42,11 @@ def advance(
     if mission.t_start is None:
         return _before_start(setup, mission, tracks, tick)
     if shares[setup.formation.root] == 0.0:
-        return replace(mission, phase="holding", t_start=mission.t_start + dt)
+        held = mission.held + dt
+        phase = "holding" if held < setup.rules.give_up else "stopped"
+        return replace(mission, phase=phase, t_start=mission.t_start + dt, held=held)
     over = tick.t - mission.t_start >= setup.duration
-    return replace(mission, phase="finished" if over else "running")
+    return replace(mission, phase="finished" if over else "running", held=0.0)
 
 
 def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:

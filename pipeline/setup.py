@@ -265,7 +265,9 @@ def _leader_gains(config: LeaderConfig) -> LeaderGains:
 
 def _rules(scenario: Scenario) -> SafetyRules:
     s = scenario.safety
-    return SafetyRules(s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s)
+    return SafetyRules(
+        s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s
+    )
 
 
 def _pair(config: PairConfig) -> Pair:

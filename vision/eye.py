@@ -1,6 +1,7 @@
 """Everything about the seeing that stays the same from frame to frame, worked out once."""
 
 from dataclasses import dataclass
+from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +17,8 @@ from vision.template import Singles, Templates, stack_templates
 
 __all__ = ["ChromaModel", "Eye", "Optics", "Thresholds", "make_eye"]
 
-_REACH_PX = 0.5  # of the window beyond the tag
-_USED_PX = 20  # pixels along the side of a window that are used; larger windows are thinned out
+_REACH, _REACH_PX = 1.05, 0.3  # half the window's side: in radii of the tag, and pixels more
+_MOST_BLOCKS = 200  # used of a window; larger windows are thinned out
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +65,7 @@ class Eye:
         block_floor: shape (H // 2, W // 2, 3), the same of the chroma samples of 2 x 2 blocks.
         level: shape (H, W), index of the scale nearest to every pixel's.
         window_px: side of the window around a tag, even [px].
-        thinning: every so many 2 x 2 blocks of a window are used, along x and along y.
+        blocks: shape (B,), those of a window's 2 x 2 blocks, counted row by row, that are used.
         min_blob_px: area of the smallest blob that counts [px].
     """
 
@@ -80,7 +81,7 @@ class Eye:
     block_floor: Singles
     level: NDArray[np.uint8]
     window_px: int
-    thinning: int
+    blocks: NDArray[np.intp]
     min_blob_px: float
 
 
@@ -111,7 +112,7 @@ def make_eye(
     if lacking or not tags.tags:
         raise VisionError(f"{len(tags.tags)} tags; the palette lacks {', '.join(lacking) or '-'}")
     scales, groups = image_scales(camera), group_tags(tags.tags)
-    half = int(np.ceil(tags.outer_radius * float(scales[-1]) + _REACH_PX))
+    half = int(np.ceil(_REACH * tags.outer_radius * float(scales[-1]) + _REACH_PX))
     window = min(2 * half + 2, min(camera.size_px) // 2 * 2)
     worn = tuple(tags.tags[group[0]] for group in groups)
     templates, sharp = stack_templates(worn, scales, optics, window)
@@ -119,11 +120,21 @@ def make_eye(
     shape_of = np.argsort(np.concatenate(groups))  # where each tag stands in the list of groups
     shape_of = np.repeat(np.arange(len(groups)), [len(group) for group in groups])[shape_of]
     floor = floor_map(camera)
-    thinning = max(1, round(window / _USED_PX))
     smallest = min(float(s.areas[s.part_classes.any(axis=0)].min()) for s in shapes)
     least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
     return Eye(
         camera, tags, palette, optics, thresholds, shapes, shape_of, templates,
         floor, block_floor(floor, optics.chroma), scale_levels(floor, scales),
-        window, thinning, least_px,
+        window, _used_blocks(window), least_px,
     )  # fmt: skip
+
+
+def _used_blocks(window_px: int) -> NDArray[np.intp]:
+    """Blocks inside a circle; if there are many, a lattice of them that visits every row."""
+    count = window_px // 2
+    y, x = np.divmod(np.arange(count * count), count)
+    middle = 0.5 * (count - 1)
+    inside = np.hypot(x - middle, y - middle) <= 0.5 * count + 0.3
+    stride = -(-int(np.count_nonzero(inside)) // _MOST_BLOCKS)
+    turn = next(m for m in range(round(0.62 * stride), 2 * stride + 1) if gcd(m, stride) == 1)
+    return np.flatnonzero(inside & ((x + turn * y) % stride == 0))

@@ -1,6 +1,7 @@
 """A frame in, robot poses out, in five stages: follow, segment, propose, fit, accept."""
 
 from dataclasses import dataclass
+from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from vision.segment import Blobs, find_blobs
 
 Floats = NDArray[np.float64]
 
-_FOLLOW_STEPS = 3  # Gauss-Newton steps from a prediction
-_SEARCH_STEPS = 6  # and from blobs
+_WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
+_STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,14 +74,14 @@ _Outcome = tuple[tuple[Detection, ...], tuple[Rejection, ...]]
 def _follow(frame: Frame, eye: Eye, predictions: tuple[Prediction, ...]) -> _Outcome:
     """Fit the predicted robots where they are expected."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
-    known = [p for p in predictions if p.robot_id in index and np.isfinite(p.pose.theta)]
+    known = [p for p in predictions if p.robot_id in index and _is_near(p.pose, eye)]
     if not known:
         return (), ()
     tags = np.array([index[p.robot_id] for p in known])
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in known])
     start = Candidates(eye.shape_of[tags], poses, np.ones(len(known)))
     possible = tags[:, None] == np.arange(len(eye.tags.tags))
-    return _accepted(frame, eye, start, possible, np.zeros((0, 2)), _FOLLOW_STEPS)
+    return _accepted(frame, eye, start, possible, np.zeros((0, 2)))
 
 
 def _search(
@@ -95,7 +96,7 @@ def _search(
         return (), rejected
     possible = np.zeros((len(candidates), len(eye.tags.tags)), bool)
     possible[:, list(missing)] = True
-    detections, reasons = _accepted(frame, eye, candidates, possible, taken, _SEARCH_STEPS)
+    detections, reasons = _accepted(frame, eye, candidates, possible, taken)
     return detections, rejected + reasons
 
 
@@ -105,10 +106,9 @@ def _accepted(
     candidates: Candidates,
     possible: NDArray[np.bool_],
     taken: Floats,
-    steps: int,
 ) -> _Outcome:
     """Fit candidates and accept them or not."""
-    fit = fit_poses(frame.image, eye, candidates.shapes, candidates.poses, steps)
+    fit = fit_poses(frame.image, eye, candidates.shapes, candidates.poses, _STEPS)
     verdict = judge(fit, candidates, eye, possible)
     return assign(verdict, fit, eye, taken)
 
@@ -117,6 +117,12 @@ def _missing(found: tuple[Detection, ...], eye: Eye) -> tuple[int, ...]:
     """Indices of the tags that were not found."""
     seen = {detection.robot_id for detection in found}
     return tuple(n for n, robot_id in enumerate(eye.tags.ids) if robot_id not in seen)
+
+
+def _is_near(pose: Pose2D, eye: Eye) -> bool:
+    """Whether a prediction is finite and within the camera's world; False for nan."""
+    x, y, height = eye.camera.position.tolist()
+    return hypot(pose.x - x, pose.y - y) < _WORLD * height and abs(pose.theta) < inf
 
 
 def _unexplained(blobs: Blobs, taken: Floats, eye: Eye) -> Blobs:

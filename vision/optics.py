@@ -2,14 +2,11 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from vision.errors import VisionError
 
-_SUBSAMPLED_AXES = {"444": 0, "422": 1, "420": 2}
+_SUBSAMPLINGS = ("444", "422", "420")
 _UPSAMPLINGS = ("linear", "nearest")
-# Linear upsampling and 2 x 2 means mix neighbours 1 : 6 : 1: a blur of 1 px, and so little noise.
-_LINEAR_SHARE = (1.0 + 36.0 + 1.0) / 64.0
+_MIXED_SHARE = ((1.0 + 36.0 + 1.0) / 64.0) ** 2  # what mixing along both axes leaves of the noise
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,23 +30,31 @@ class ChromaModel:
     upsampling: str = "linear"
 
     def __post_init__(self) -> None:
-        if self.subsampling not in _SUBSAMPLED_AXES or self.upsampling not in _UPSAMPLINGS:
+        if self.subsampling not in _SUBSAMPLINGS or self.upsampling not in _UPSAMPLINGS:
             raise VisionError(
                 f"chroma {self.subsampling}, {self.upsampling}: know "
-                f"{', '.join(_SUBSAMPLED_AXES)} and {', '.join(_UPSAMPLINGS)}"
+                f"{', '.join(_SUBSAMPLINGS)} and {', '.join(_UPSAMPLINGS)}"
             )
 
     @property
+    def mixed(self) -> bool:
+        """Whether upsampling mixes neighbouring means of 2 x 2 pixels 1 : 6 : 1."""
+        return self.upsampling == "linear" and self.subsampling != "444"
+
+    @property
+    def mixed_one_way(self) -> bool:
+        """Whether it does so along rows only; columns are then mixed likewise before the fit."""
+        return self.mixed and self.subsampling == "422"
+
+    @property
     def extra_blur_px(self) -> float:
-        """Blur that upsampling adds to means of 2 x 2 pixels, standard deviation [px]."""
-        share = _SUBSAMPLED_AXES[self.subsampling] / 2.0
-        return float(np.sqrt(share)) if self.upsampling == "linear" else 0.0
+        """Blur of these means by the mixing, standard deviation [px]."""
+        return 1.0 if self.mixed else 0.0
 
     @property
     def independence(self) -> float:
-        """How many independent samples a mean of 2 x 2 pixels counts for, after upsampling."""
-        axes = _SUBSAMPLED_AXES[self.subsampling] if self.upsampling == "linear" else 0
-        return _LINEAR_SHARE**axes
+        """How many independent samples a mean of 2 x 2 pixels counts for."""
+        return _MIXED_SHARE if self.mixed else 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ channels come in 4 groups of M: coverage, and its derivatives by a step forward,
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,10 +22,11 @@ from vision.template import Singles
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+_Window = NDArray[Any]
 
 _PRIOR_WEIGHT = 20.0  # pixels that the stated noise counts for, against the residuals found
 _RIDGE = 1e-3  # pixels of brightness 0 for every part: keeps parts out of sight solvable
-_STEP_PX = 1.5  # longest Gauss-Newton step
+_STEP = 0.15  # longest Gauss-Newton step, in sides of the tag
 _TURN = 0.3  # largest Gauss-Newton turn [rad]
 _SETTLED_M, _SETTLED_RAD = 1.0 / 2e-4, 1.0 / 5e-3  # inverse of steps after which none follows
 _MODEL_PX = 0.008  # error of the model itself: pixels are squares, not Gaussians
@@ -98,13 +100,15 @@ def fit_poses(
     """
     planes, scale = _cut_out(image, eye, shapes, start)
     poses = start.astype(np.float64, copy=True)
+    side = eye.tags.tags[0].side
+    longest = _STEP * side
     for _ in range(steps):
         step = _linearised(planes, eye, poses)
-        delta = _shortened(np.asarray(np.linalg.solve(step.normal, step.gradient)[..., 0]), scale)
+        delta = _shortened(np.asarray(np.linalg.solve(step.normal, step.gradient)[..., 0]), longest)
         poses += _in_floor_frame(poses[:, 2], delta)
         if (np.abs(delta) * (_SETTLED_M, _SETTLED_M, _SETTLED_RAD)).max() < 1.0:
             break
-    return _outcome(poses, step, scale, scale * eye.tags.tags[0].side)
+    return _outcome(poses, step, scale, scale * side)
 
 
 def _cut_out(
@@ -112,39 +116,45 @@ def _cut_out(
 ) -> tuple[tuple[_Plane, _Plane], Floats]:
     """Cut a window of whole 2 x 2 blocks around every tag, shifted to lie inside the image."""
     w, h = eye.camera.size_px
-    n, thin = eye.window_px, eye.thinning
+    n = eye.window_px
     points = np.column_stack((start[:, :2], np.full(len(start), eye.camera.tag_height)))
     center = np.clip(np.nan_to_num(eye.camera.project(points)), 0, (w - 1, h - 1))
     corners = np.clip(center - (0.5 * n - 1.5), 0, (w - n, h - n)) // 2 * 2
     places = corners.astype(int).tolist()
-    shape = (len(start), n // 2, 2, n // 2, 2, 3)
-    pixels = np.stack([image[y : y + n, x : x + n] for x, y in places]).reshape(shape)
-    floor = np.stack([eye.floor[y : y + n, x : x + n] for x, y in places]).reshape(shape)
-    block_floor = np.stack(
-        [eye.block_floor[y // 2 : (y + n) // 2, x // 2 : (x + n) // 2] for x, y in places]
-    )
-    if thin > 1:
-        pixels, floor = pixels[:, ::thin, :, ::thin], floor[:, ::thin, :, ::thin]
-        block_floor = block_floor[:, ::thin, ::thin]
+    pixels = _blocks(eye, [image[y : y + n, x : x + n] for x, y in places]).astype(np.float32)
+    floor = _blocks(eye, [eye.floor[y : y + n, x : x + n] for x, y in places])
+    half = [eye.block_floor[y // 2 : (y + n) // 2, x // 2 : (x + n) // 2] for x, y in places]
+    count = len(start)
+    block_floor = np.stack(half).reshape(count, -1, 3)
+    means = pixels.sum(axis=2)
+    if eye.optics.chroma.mixed_one_way:
+        means = _mixed_down(means, n // 2)
+    luma = pixels.take(eye.blocks, axis=1).reshape(count, -1, 3) @ _LUMA
+    chroma = means.take(eye.blocks, axis=1) @ _CHROMA
     level = eye.level[tuple(center.astype(int).T[::-1])].astype(np.intp)
     templates = eye.templates
     rows = (level * templates.shapes + shapes) * templates.pitch
-    luma, chroma = _planes(pixels)
-    count = len(start)
+    floor, block_floor = floor.take(eye.blocks, axis=1), block_floor.take(eye.blocks, axis=1)
     return (
         _Plane(floor.reshape(count, -1, 3), luma, rows),
-        _Plane(block_floor.reshape(count, -1, 3), chroma, rows + templates.chroma_row),
+        _Plane(block_floor, chroma, rows + templates.chroma_row),
     ), templates.scales[level]
 
 
-def _planes(pixels: NDArray[np.uint8]) -> tuple[Singles, Singles]:
-    """Split blocks (R, b, 2, b, 2, 3) into luma (R, P, 1) and chroma block means (R, B, 2)."""
-    count = len(pixels)
-    single = pixels.astype(np.float32)
-    rows = single[:, :, 0] + single[:, :, 1]
-    means = rows[:, :, :, 0] + rows[:, :, :, 1]
-    luma, chroma = single.reshape(count, -1, 3) @ _LUMA, means.reshape(count, -1, 3) @ _CHROMA
-    return luma, chroma
+def _blocks(eye: Eye, windows: list[_Window]) -> _Window:
+    """All 2 x 2 blocks of windows (n, n, 3) as one array (R, b * b, 4, 3)."""
+    b = eye.window_px // 2
+    split = np.stack(windows).reshape(-1, b, 2, b, 2, 3).transpose(0, 1, 3, 2, 4, 5)
+    return split.reshape(-1, b * b, 4, 3)
+
+
+def _mixed_down(means: Singles, b: int) -> Singles:
+    """Mix the rows of block means (R, b * b, 3) 1 : 6 : 1, as upsampling mixed the columns."""
+    rows = means.reshape(-1, b, b, 3)
+    mixed = 0.75 * rows
+    mixed[:, 1:] += 0.125 * rows[:, :-1]
+    mixed[:, :-1] += 0.125 * rows[:, 1:]
+    return mixed.reshape(means.shape)
 
 
 def _linearised(planes: tuple[_Plane, _Plane], eye: Eye, poses: Floats) -> _Step:
@@ -208,11 +218,10 @@ def _cells_from_floor(eye: Eye, poses: Floats) -> Singles:
     return np.ascontiguousarray(matrix.transpose(2, 0, 1), np.float32)
 
 
-def _shortened(delta: Floats, scale: Floats) -> Floats:
+def _shortened(delta: Floats, longest: float) -> Floats:
     """Shorten steps (R, 3) that are too long to be trusted."""
-    reach = np.hypot(delta[:, 0], delta[:, 1]) * scale / _STEP_PX
-    longest = np.maximum(reach, np.abs(delta[:, 2]) / _TURN)
-    shortened: Floats = delta / np.maximum(longest, 1.0)[:, None]
+    reach = np.hypot(delta[:, 0], delta[:, 1]) / longest
+    shortened: Floats = delta / np.fmax(np.fmax(reach, np.abs(delta[:, 2]) / _TURN), 1.0)[:, None]
     return shortened
 
 

@@ -17,7 +17,6 @@ BACKLOG, BACKLOG_WAIT = 100, 0.004  # packets at most, wait that ends it [1, s]
 # What FFmpeg would hold back for smoothness is wrong for control: the newest picture counts.
 LOW_DELAY = {
     "fflags": "nobuffer",
-    "flags": "low_delay",
     "probesize": "32768",
     "analyzeduration": "300000",
     "rtsp_flags": "prefer_tcp",
@@ -57,7 +56,7 @@ class StreamReader:
             self._container.close()
             raise CameraError(f"camera {self._name}: the stream has no video")
         self._has_times = not _times_are_invented(self._container)
-        self._pictures = self._decode()
+        self._pictures, self._whole = self._decode(), False
 
     def read(self) -> Picture:
         """Wait for the next picture.
@@ -83,6 +82,7 @@ class StreamReader:
     def _decode(self) -> Iterator[Picture]:
         stream = self._container.streams.video[0]
         stream.codec_context.thread_count = 1  # frame threads would each hold one picture back
+        stream.codec_context.options = {"flags": "low_delay", "err_detect": "explode"}
         backlog, asked = BACKLOG, self._clock.now()
         for packet in self._container.demux(stream):
             arrival = self._clock.now()
@@ -98,11 +98,19 @@ class StreamReader:
         return Picture(frame.to_ndarray(format="bgr24"), t_capture)
 
     def _intact(self, packet: Any) -> list[Any]:
-        """Decode, leaving out what lost packets have damaged: invented pixels mislead."""
+        """Decode. After damage nothing is shown until a whole key frame: what a decoder puts where
+        data are missing is old, and would show robots where they no longer are."""
         try:
-            return [frame for frame in packet.decode() if not frame.is_corrupt]
+            frames = packet.decode()
         except self._damaged:
+            self._whole = False
             return []
+        shown = []
+        for frame in frames:
+            intact = not (packet.is_corrupt or frame.is_corrupt)
+            self._whole = intact and (self._whole or bool(frame.key_frame))
+            shown += [frame] if self._whole else []
+        return shown
 
 
 def open_stream(url: str, clock: Clock, latency: float = 0.0, timeout: float = 5.0) -> NewestFrame:

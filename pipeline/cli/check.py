@@ -10,7 +10,9 @@ def check(
     overrides: options.Overrides = None,
     json: options.Json = False,
 ) -> None:
-    """Check a scenario: gains, shape, path, tags, colours, camera, radio budget, safety times.
+    """Check what holds in a scenario, with numbers.
+
+    Gains, shape, path, tags, colours, camera, radio budget, safety times.
 
     Exit status 2 if something does not hold.
     """

@@ -30,4 +30,7 @@ def _register_one(app: typer.Typer, name: str, what: str) -> None:
         del arguments
         raise ConfigError(f"{name}: not in this version ({what})")
 
-    app.command(name, help=f"Not in this version: {what}.", context_settings=settings)(not_yet)
+    text = f"Not in this version: {what}."
+    app.command(name, help=text, short_help="Not in this version.", context_settings=settings)(
+        not_yet
+    )

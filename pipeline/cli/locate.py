@@ -20,7 +20,10 @@ def locate(
     overrides: options.Overrides = None,
     json: options.Json = False,
 ) -> None:
-    """Find the robots in images, and say why candidates were rejected."""
+    """Find the robots in images.
+
+    Also says of every candidate that was not accepted why not, with the numbers that decided.
+    """
     from pipeline.cli.locating import locate_images
     from pipeline.cli.output import Output
 

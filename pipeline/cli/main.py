@@ -2,6 +2,8 @@
 
 import sys
 import traceback
+from importlib.metadata import version
+from typing import Annotated
 
 import typer
 
@@ -11,7 +13,6 @@ from pipeline.errors import CameraError, RadioError
 
 app = typer.Typer(
     name="echelon",
-    help="From an overhead camera's frames to the commands of a formation of small robots.",
     rich_markup_mode=None,  # plain help answers in half the time
     pretty_exceptions_enable=False,
     add_completion=False,
@@ -20,6 +21,28 @@ app = typer.Typer(
     "3 a device failed; 4 a safety stop ended the run; 5 recorded and recomputed results differ; "
     "130 interrupted.",
 )
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"echelon {version('echelon-formation')}")
+        raise typer.Exit
+
+
+@app.callback()
+def general(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Say which version this is.", callback=_say_version, is_eager=True
+        ),
+    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show a traceback with an error.")] = False,
+) -> None:
+    """From an overhead camera's frames to the commands of a formation of small robots."""
+    del version, debug  # one has its callback, the other is taken before arguments are parsed
+
+
 for command in (live, replay, render, locate, report, check):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 later.register(app)

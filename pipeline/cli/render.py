@@ -19,10 +19,10 @@ def render(
     seed: options.Seed = 0,
     overrides: options.Overrides = None,
 ) -> None:
-    """Render the scenario's run: what the camera sees, with the true poses in truth.json.
+    """Render a run: the frames, and the truth beside them.
 
     The robots drive under control, as in `echelon live --fast`. A folder gets PNG files and
-    truth.json; a video gets FILE.truth.json beside it.
+    truth.json with the true poses; a video gets FILE.truth.json beside it.
     """
     from pipeline.cli.rendering import render_run
 

@@ -20,7 +20,7 @@ from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_scores, make_setup
 from pipeline.trajectory import TrajectoryFile
 
-INTERRUPTED = 130
+SAFETY_STOP, INTERRUPTED = 4, 130
 ROOM = 1.5  # a link is asked for commands this much slower than it could carry them
 
 
@@ -83,7 +83,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         ConfigError: if the scenario or a SPEC is wrong.
         CameraError: if the camera fails.
         RadioError: if the radio fails.
-        Exit: with status 130 after Ctrl-C.
+        Exit: with status 4 after a safety stop, 130 after Ctrl-C.
     """
     scenario = _scenario(request)
     with interruption() as interrupted:
@@ -102,6 +102,9 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     if why == "interrupted":
         output.say("interrupted: stop was sent to every robot three times")
         raise typer.Exit(INTERRUPTED)
+    if why == "stopped":
+        output.say(f"safety stop: the formation had to stand for {setup.rules.give_up:g} s")
+        raise typer.Exit(SAFETY_STOP)
 
 
 @contextmanager

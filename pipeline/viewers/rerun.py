@@ -8,6 +8,7 @@ import os
 import pickle
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 from queue import Full, Queue
 from threading import Thread
@@ -86,6 +87,10 @@ class RerunViewer:
         except (Full, subprocess.TimeoutExpired):
             self._process.kill()
             self._process.wait()
+        thread.join(_LIVE_END_LIMIT)
+        for pipe in (self._process.stdin, self._process.stdout):
+            with suppress(OSError):  # what is left in the pipe of a dead viewer
+                _pipe(pipe).close()
 
     def _send(self) -> None:
         """Runs on the viewer's thread until the end of the queue; a dead viewer is ignored."""

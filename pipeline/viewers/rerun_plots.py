@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from control.geometry import wrap_angle
 from datasets.cycle import Moment
-from pipeline.viewers.rerun_scene import Color, name_of
-from pipeline.viewers.stage import Stage
+from pipeline.viewers.rerun_scene import Color, dim
+from pipeline.viewers.stage import Stage, name_of
 
 if TYPE_CHECKING:
     import rerun
@@ -38,7 +38,7 @@ class RerunPlots:
             moment: inputs, outcome, truth and cost of a cycle.
         """
         self._draw_errors(moment)
-        self._draw_commands(moment)
+        self._draw_motion(moment)
         self._draw_latency(moment)
         self._tell(moment)
 
@@ -50,11 +50,17 @@ class RerunPlots:
             self._point("distance_error", name, color, 1e3 * distance)
             self._point("bearing_error", name, color, degrees(bearing))
 
-    def _draw_commands(self, moment: Moment) -> None:
+    def _draw_motion(self, moment: Moment) -> None:
+        """What each robot is commanded, dim, and what it is thought to do, bright."""
         for command in moment.cycle.commands:
             name, color = name_of(command.robot_id), self._stage.color(command.robot_id)
-            self._point("speed", name, color, command.twist.v)
-            self._point("turn_rate", name, color, command.twist.omega)
+            twist, faint = command.twist, dim(color, 0.4)
+            self._point("speed", f"{name} command", faint, twist.v, width=1.0)
+            self._point("turn_rate", f"{name} command", faint, twist.omega, width=1.0)
+        for robot in moment.cycle.robots:
+            name, color = name_of(robot.robot_id), self._stage.color(robot.robot_id)
+            self._point("speed", name, color, robot.state.v)
+            self._point("turn_rate", name, color, robot.state.omega)
 
     def _draw_latency(self, moment: Moment) -> None:
         self._point("latency", "whole cycle", _STEP, 1e3 * moment.timing.step)
@@ -63,13 +69,13 @@ class RerunPlots:
             age = moment.cycle.t_effective - moment.cycle.scene.t_capture
             self._point("latency", "picture to wheels", _AGE, 1e3 * age)
 
-    def _point(self, plot: str, name: str, color: Color, value: float) -> None:
+    def _point(self, plot: str, name: str, color: Color, value: float, width: float = 1.8) -> None:
         import rerun as rr
 
         path = f"plots/{plot}/{name}".replace(" ", "_")
         if path not in self._known:
             self._known.add(path)
-            self._out.log(path, rr.SeriesLines(names=name, colors=color, widths=1.8), static=True)
+            self._out.log(path, rr.SeriesLines(names=name, colors=color, widths=width), static=True)
         self._out.log(path, rr.Scalars(value))
 
     def _tell(self, moment: Moment) -> None:

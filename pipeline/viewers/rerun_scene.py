@@ -7,7 +7,7 @@ import numpy as np
 
 from control.command import RobotId
 from datasets.cycle import Moment, RobotState
-from pipeline.viewers.stage import Floats, Stage, circle, dashes, grid
+from pipeline.viewers.stage import Floats, Stage, circle, dashes, grid, name_of
 from vision.frame import Frame
 from vision.scene import Scene
 
@@ -23,18 +23,6 @@ _RED = (255, 84, 84)
 _ARROW = 0.1  # length of the heading's arrow [m]
 _NAME_ABOVE = 0.16  # from a robot's centre to its name [m]
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 90]  # for looking only; sessions keep every pixel
-
-
-def name_of(robot_id: RobotId) -> str:
-    """How a robot is called on the screen.
-
-    Args:
-        robot_id: number or name.
-
-    Returns:
-        The paper's R1, R2 ... for numbers, names as they are.
-    """
-    return f"R{robot_id}" if isinstance(robot_id, int) else robot_id
 
 
 class RerunScene:
@@ -131,7 +119,7 @@ class RerunScene:
             here = (robot.state.x, robot.state.y)
             before = self._before.get(robot.robot_id, here)
             pieces.append(np.array([before, here]) * _UP)
-            colors.append(_dim(self._stage.color(robot.robot_id), 0.55))
+            colors.append(dim(self._stage.color(robot.robot_id), 0.55))
             self._before[robot.robot_id] = here
         self._lines("floor/track", pieces, colors, width=1.5)
 
@@ -151,7 +139,7 @@ class RerunScene:
                 continue
             link = np.array([(leader.x, leader.y), (wanted.x, wanted.y)])
             shapes += [stage.outline(pair.follower, wanted) * _UP, link * _UP]
-            colors += [_dim(stage.color(pair.follower), 0.6)] * 2
+            colors += [dim(stage.color(pair.follower), 0.6)] * 2
         self._lines("floor/wanted", shapes, colors, width=1.0)
 
     def _lines(
@@ -177,7 +165,15 @@ class RerunScene:
         self._out.log(path, labels)
 
 
-def _dim(color: Color, share: float) -> Color:
-    """A colour mixed with the dark ground."""
+def dim(color: Color, share: float) -> Color:
+    """A colour mixed with the dark ground.
+
+    Args:
+        color: red, green and blue, 0 to 255.
+        share: of the colour in the mixture, 0 to 1.
+
+    Returns:
+        The mixture.
+    """
     red, green, blue = (int(share * part + (1.0 - share) * 20.0) for part in color)
     return red, green, blue

@@ -116,6 +116,18 @@ class Stage:
 _SQUARE = 0.0375 * np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])
 
 
+def name_of(robot_id: RobotId) -> str:
+    """How a robot is called on the screen.
+
+    Args:
+        robot_id: number or name.
+
+    Returns:
+        The paper's R1, R2 ... for numbers, names as they are.
+    """
+    return f"R{robot_id}" if isinstance(robot_id, int) else robot_id
+
+
 def placed(points: Floats, pose: Pose2D) -> Floats:
     """Map points of a robot's frame to the floor.
 

@@ -60,8 +60,16 @@ class MjpegServer:
         """
         ok, jpeg = cv2.imencode(".jpg", image, self._quality)
         assert ok
+        self.send(jpeg.tobytes())
+
+    def send(self, jpeg: bytes) -> None:
+        """Send a picture as it is, sound or broken.
+
+        Args:
+            jpeg: what stands for a JPEG.
+        """
         with self._news:
-            self._jpeg, self._count = jpeg.tobytes(), self._count + 1
+            self._jpeg, self._count = jpeg, self._count + 1
             self._news.notify_all()
 
     def next_after(self, count: int) -> tuple[bytes, int]:

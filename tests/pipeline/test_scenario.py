@@ -65,7 +65,7 @@ def test_not_toml_and_missing_files(tmp_path: Path) -> None:
     assert "not valid TOML" in complaint(tmp_path, "x = ")
     assert 'unknown key "camra"; did you mean "camera"?' in complaint(tmp_path, "[camra]\nw = 3\n")
     for name, hint in (("papr", 'did you mean "paper"?'), ("gone.toml", "no such file")):
-        with pytest.raises(ConfigError, match="papr|gone") as error:
+        with pytest.raises(ConfigError, match=r"papr|gone") as error:
             load_scenario(name)
         assert hint in str(error.value)
 

@@ -120,9 +120,7 @@ def test_unusable_cameras_are_refused_with_the_numbers() -> None:
         overhead_camera((320, 240), 2.4, (0, 0), 0.2, 0.3)
     good = CAMERAS[0]
     with pytest.raises(VisionError, match="distortion"):
-        CameraModel(
-            good.size_px, good.matrix, np.zeros(4), good.rotation, good.translation, 0.0
-        )
+        CameraModel(good.size_px, good.matrix, np.zeros(4), good.rotation, good.translation, 0.0)
     with pytest.raises(VisionError, match="not a rotation"):
         CameraModel(good.size_px, good.matrix, good.distortion, 2 * np.eye(3), np.zeros(3), 0.0)
 

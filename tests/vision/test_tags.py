@@ -58,7 +58,7 @@ def test_parts_that_overlap_partly_are_refused(extra: Part, message: str) -> Non
 
 
 def test_tags_without_colour_are_refused() -> None:
-    with pytest.raises(VisionError, match="robot 4.*another colour than black"):
+    with pytest.raises(VisionError, match=r"robot 4.*another colour than black"):
         TagSet((Tag(4, (PLATE,)),))
 
 
@@ -76,7 +76,7 @@ def test_twins_are_refused(one: tuple[int, str], other: tuple[int, str], message
 
 def test_a_turned_twin_is_refused() -> None:
     swapped = Layout("swapped", tuple(_swapped(part) for part in TWO_PATCH.parts))
-    with pytest.raises(VisionError, match="robots 1 and 2 .*turned by 180 deg"):
+    with pytest.raises(VisionError, match=r"robots 1 and 2 .*turned by 180 deg"):
         TagSet((worn(1, "red"), swapped.worn_by(2, (("$rear", "red"),))))
 
 
@@ -92,7 +92,7 @@ def test_a_tag_without_a_heading_is_refused() -> None:
 def test_mirror_twins_need_consent() -> None:
     one = TRIANGLE.worn_by(0, (("$left", "green"), ("$back", "violet")))
     other = TRIANGLE.worn_by(2, (("$left", "violet"), ("$back", "green")))
-    with pytest.raises(VisionError, match="robots 0 and 2 .*mirrored"):
+    with pytest.raises(VisionError, match=r"robots 0 and 2 .*mirrored"):
         TagSet((one, other))
     assert TagSet((one, other), mirror_twins=True).ids == (0, 2)
 

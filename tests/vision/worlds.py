@@ -79,7 +79,7 @@ class World:
     def scattered(self, rng: np.random.Generator, gap: float = 0.13) -> NDArray[np.float64]:
         """Random poses (R, 3) that lie wholly in the picture, `gap` apart [m]."""
         camera, tags = self.eye.camera, self.eye.tags
-        low, high = np.array([[0.0, 0.0], camera.size_px]) + [[1.0], [-2.0]]
+        low, high = np.ones(2), np.array(camera.size_px) - 2.0
         while True:
             corners = rng.uniform(low, high, (len(tags.tags), 2))
             floor = camera.to_floor(corners, camera.tag_height)

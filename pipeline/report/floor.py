@@ -1,0 +1,120 @@
+"""The paper's figure 6: where the robots drove, with their outlines at intervals."""
+
+from math import cos, sin
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from control.formation import Pair
+from control.geometry import Pose2D
+from pipeline.report.marks import best_states
+from pipeline.report.series import Floats, Series
+from pipeline.report.style import GREY, color_of, new_figure, say_empty
+from pipeline.setup import Setup
+from pipeline.viewers.stage import name_of, placed
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_SNAPSHOTS = 9  # at most
+_INTERVALS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 60.0)  # round ones [s]
+_PLAN_STEP = 0.02  # [s]
+
+
+def trajectories(series: Series, setup: Setup) -> "Figure":
+    """Figure 6: trajectories, outlines and links at intervals, the wanted formation.
+
+    Args:
+        series: of the run.
+        setup: formation, plan and tags.
+
+    Returns:
+        The floor from above.
+    """
+    figure, (axes,) = new_figure(5.2)
+    states, times = best_states(series)
+    if not np.isfinite(states).any():
+        say_empty(axes, "no robot was seen")
+    else:
+        _draw_plan(axes, setup, series)
+        _draw_paths(axes, series)
+        for k in _snapshots(times, states):
+            _draw_snapshot(axes, setup, states[k], float(times[k]))
+        axes.legend(loc="center", ncols=2, fontsize=9)
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x  [m]")
+    axes.set_ylabel("y  [m]")
+    return figure
+
+
+def _draw_plan(axes: "Axes", setup: Setup, series: Series) -> None:
+    if not series.started:
+        return
+    times = np.arange(0.0, float(series.times[-1]), _PLAN_STEP).tolist()
+    plan = [setup.path.at(t).state for t in times]
+    line = [state.x for state in plan], [state.y for state in plan]
+    axes.plot(*line, color=GREY, lw=1.0, ls=(0, (5, 4)), label="leader's plan", zorder=1)
+
+
+def _draw_paths(axes: "Axes", series: Series) -> None:
+    """True paths wide and pale, estimated ones thin."""
+    for robot, robot_id in enumerate(series.robots):
+        color, name = color_of(robot), name_of(robot_id)
+        true, believed = series.true[:, robot], series.believed[:, robot]
+        known = np.isfinite(true).any()
+        if known:
+            axes.plot(true[:, 0], true[:, 1], color=color, lw=2.6, alpha=0.4, label=name)
+        label, width = (None, 0.7) if known else (name, 1.4)
+        axes.plot(believed[:, 0], believed[:, 1], color=color, lw=width, label=label)
+    axes.plot([], [], color=GREY, lw=0.9, ls=":", label="wanted places")
+
+
+def _snapshots(times: Floats, states: Floats) -> list[int]:
+    """Ticks at round times at which all robots are known, few enough to be told apart."""
+    known = np.flatnonzero(np.isfinite(states[:, :, 0]).all(axis=1) & (times >= 0.0))
+    if not len(known):
+        return []
+    span = times[known[-1]] - times[known[0]]
+    interval = next((i for i in _INTERVALS if span / i < _SNAPSHOTS), span / _SNAPSHOTS)
+    wanted = np.arange(0.0, times[known[-1]] + 1e-9, interval)
+    nearest = np.searchsorted(times[known], wanted - 1e-6).clip(max=len(known) - 1)
+    return sorted({int(known[k]) for k in nearest})
+
+
+def _draw_snapshot(axes: "Axes", setup: Setup, states: Floats, t: float) -> None:
+    """Bodies, links from leaders to followers, wanted places, and the time at the leader."""
+    robots = setup.formation.robots
+    poses = {robots[i]: Pose2D(*states[i, :3].tolist()) for i in range(len(robots))}
+    outline = {tag.robot_id: tag.parts[0].polygon for tag in setup.tags.tags}
+    for index, robot_id in enumerate(robots):
+        if robot_id in outline:
+            _draw_body(axes, outline[robot_id], poses[robot_id], color_of(index))
+    for pair in setup.formation.pairs:
+        leader, follower = poses[pair.leader], poses[pair.follower]
+        axes.plot([leader.x, follower.x], [leader.y, follower.y], color=GREY, lw=0.6, zorder=2)
+        if pair.follower in outline:
+            wanted = _wanted(pair, leader, follower, t, setup.follower.camera_offset)
+            line = placed(outline[pair.follower], wanted)
+            axes.fill(*line.T, fill=False, ec=color_of(robots.index(pair.follower)), lw=0.9, ls=":")
+    lead = poses[robots[0]]
+    aside = 0.085 * np.array([-sin(lead.theta), cos(lead.theta)])
+    where = (lead.x + aside[0], lead.y + aside[1])
+    axes.text(*where, f"{t:.3g} s", fontsize=7.5, color="#444444", ha="center", va="center")
+
+
+def _draw_body(axes: "Axes", outline: Floats, pose: Pose2D, color: str) -> None:
+    axes.fill(*placed(outline, pose).T, fc=color, ec=color, lw=0.8, alpha=0.55, zorder=3)
+    nose = placed(np.array([(0.0, 0.0), (0.5 * np.ptp(outline[:, 0]), 0.0)]), pose)
+    axes.plot(*nose.T, color="white", lw=1.2, zorder=4, solid_capstyle="butt")
+
+
+def _wanted(pair: Pair, leader: Pose2D, follower: Pose2D, t: float, offset: float) -> Pose2D:
+    """Where the follower should be at t, by (6) and (7), with the heading it has."""
+    reference = pair.shape.at(t)
+    angle = leader.theta + reference.bearing
+    return Pose2D(
+        leader.x + reference.distance * cos(angle) - offset * cos(follower.theta),
+        leader.y + reference.distance * sin(angle) - offset * sin(follower.theta),
+        follower.theta,
+    )

@@ -1,0 +1,157 @@
+"""What happened when: turns and changes of shape from the scenario, and what the robots made of it."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from itertools import groupby
+from math import degrees
+
+import numpy as np
+
+from control.formation import TanhStep
+from control.leader import PlannedPath
+from pipeline.report.series import Floats, Series
+from pipeline.setup import Setup
+from pipeline.viewers.stage import name_of
+
+_STEP = 0.002  # resolution of the plan's turns [s]
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Something worth pointing at, on the mission's clock.
+
+    Attributes:
+        start: when it begins [s].
+        end: when it ends, equal to start for an instant [s].
+        text: what it is, in a few words with numbers.
+    """
+
+    start: float
+    end: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """The most telling value of a curve.
+
+    Attributes:
+        t: when [s].
+        value: in the unit of the curve.
+        text: what it says.
+    """
+
+    t: float
+    value: float
+    text: str
+
+
+def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:
+    """Turns the leader has planned.
+
+    Args:
+        path: its plan.
+        duration: of the mission [s].
+
+    Returns:
+        Spans in which the plan turns, with radius and angle.
+    """
+    times = np.arange(0.0, duration, _STEP).tolist()
+    states = [path.at(t).state for t in times]
+    found = []
+    for turning, group in groupby(zip(times, states, strict=True), key=lambda at: at[1].omega != 0):
+        span = list(group)
+        if turning and len(span) > 1:
+            (start, first), (end, last) = span[0], span[-1]
+            angle, radius = degrees(last.theta - first.theta), abs(last.v / last.omega)
+            side = "left" if angle > 0.0 else "right"
+            found.append(Mark(start, end, f"{abs(angle):.0f}° {side}, R = {radius:g} m"))
+    return tuple(found)
+
+
+def changes(setup: Setup) -> tuple[Mark, ...]:
+    """Moments at which the wanted shape changes.
+
+    Args:
+        setup: with the formation.
+
+    Returns:
+        Instants in order of time; pairs that change together share one.
+    """
+    told: dict[float, list[str]] = {}
+    for pair in setup.formation.pairs:
+        for what in (
+            _change(pair.shape.distance, 1.0, " m"),
+            _change(pair.shape.bearing, 57.296, "°"),
+        ):
+            if what is not None and what[0] <= setup.duration:
+                told.setdefault(what[0], []).append(f"{name_of(pair.follower)} {what[1]}")
+    return tuple(Mark(t, t, ", ".join(texts)) for t, texts in sorted(told.items()))
+
+
+def _change(step: TanhStep, scale: float, unit: str) -> tuple[float, str] | None:
+    if step.before == step.after:
+        return None
+    return step.t, f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
+
+
+def reconfiguration(settled: Iterable[float | None]) -> tuple[Mark, ...]:
+    """The way into the first shape.
+
+    Args:
+        settled: when each follower had come to its place, None if never [s].
+
+    Returns:
+        One span from the start until the last follower was in place; none if all began there, or
+        one never came.
+    """
+    times = list(settled)
+    known = [t for t in times if t is not None]
+    if len(known) < len(times) or not known or max(known) <= 0.0:
+        return ()
+    return (Mark(0.0, max(known), f"into formation, {max(known):.1f} s"),)
+
+
+def speed_peaks(series: Series, turns: tuple[Mark, ...]) -> tuple[tuple[Peak, ...], ...]:
+    """How followers on the outside and on the inside of turns change their speed.
+
+    Args:
+        series: of the run.
+        turns: planned turns.
+
+    Returns:
+        Per robot, in the order of the series: the greatest speed of those faster than the leader
+        in a turn, the least of those slower; none for the leader.
+    """
+    states, times = best_states(series)
+    return tuple(
+        tuple(_peak(series, states[:, :, 3], times, robot, turn) for turn in turns if robot)
+        if np.isfinite(states[:, robot, 3]).any()
+        else ()
+        for robot in range(len(series.robots))
+    )
+
+
+def best_states(series: Series) -> tuple[Floats, Floats]:
+    """The best known states.
+
+    Args:
+        series: of the run.
+
+    Returns:
+        True states if any are known, else predicted ones, shape (N, R, 5), and their times (N,).
+    """
+    if series.has_truth:
+        return series.true, series.times
+    return series.believed, series.ahead
+
+
+def _peak(series: Series, speeds: Floats, times: Floats, robot: int, turn: Mark) -> Peak:
+    inside = np.flatnonzero((times >= turn.start) & (times <= turn.end))
+    own, lead = speeds[inside, robot], speeds[inside, 0]
+    if not len(inside) or not np.isfinite(own - lead).any():
+        return Peak(turn.start, np.nan, "")
+    outer = np.nanmean(own - lead) > 0.0
+    k = inside[np.nanargmax(own) if outer else np.nanargmin(own)]
+    value, name = float(speeds[k, robot]), name_of(series.robots[robot])
+    return Peak(float(times[k]), value, f"{name} {'up' if outer else 'down'} to {value:.2f} m/s")
