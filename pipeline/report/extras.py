@@ -38,7 +38,7 @@ def latencies(series: Series) -> "Figure":
         say_empty(axes, "no frames")
     else:
         every = np.concatenate(positive)
-        edges = np.geomspace(0.9 * every.min(), 1.1 * every.max(), 60)
+        edges = np.geomspace(0.9 * every.min(), 1.1 * every.max(), 60).tolist()
         for times, (_, name, color) in zip(positive, values, strict=True):
             if len(times):
                 text = (

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.marks import Mark, Peak, best_states, speed_peaks
+from pipeline.report.marks import Marks, Peak, best_states, speed_peaks
 from pipeline.report.series import Floats, Series
 from pipeline.report.style import GREY, color_of, draw_marks, new_figure, say_empty
 from pipeline.viewers.stage import name_of
@@ -17,15 +17,12 @@ _POINTS = 6000  # drawn per curve at most
 _TOLERANCES = (20.0, np.degrees(0.1))  # of "settled" [mm, deg]
 
 
-def tracking_errors(
-    series: Series, spans: tuple[Mark, ...], instants: tuple[Mark, ...]
-) -> "Figure":
+def tracking_errors(series: Series, marks: Marks) -> "Figure":
     """Figure 7: errors of distance and bearing of every follower.
 
     Args:
         series: of the run.
-        spans: planned turns.
-        instants: changes of the shape.
+        marks: turns, changes of the shape.
 
     Returns:
         Two plots over time.
@@ -41,7 +38,7 @@ def tracking_errors(
             curve = scale * true[:, column], scale * believed[:, column]
             _draw_both(axes, series, pair + 1, *curve)
         axes.set_ylabel(label)
-        draw_marks(axes, spans, instants, text=column == 0)
+        draw_marks(axes, marks, text=column == 0)
         _finish_time(axes, series, last=column == 1)
     plots[1].text(
         0.995, 0.04, "green: settled, within 20 mm and 0.1 rad",
@@ -51,51 +48,43 @@ def tracking_errors(
     return figure
 
 
-def linear_velocities(
-    series: Series, spans: tuple[Mark, ...], instants: tuple[Mark, ...]
-) -> "Figure":
+def linear_velocities(series: Series, marks: Marks) -> "Figure":
     """Figure 8: forward speed of the followers, the leader's beside it.
 
     Args:
         series: of the run.
-        spans: planned turns.
-        instants: changes of the shape.
+        marks: turns, changes of the shape.
 
     Returns:
         One plot over time, the paper's remarks as numbers.
     """
-    figure = _velocities(series, spans, instants, 3, "linear velocity  [m/s]")
-    for index, peaks in enumerate(speed_peaks(series, spans)):
+    figure = _velocities(series, marks, 3, "linear velocity  [m/s]")
+    for index, peaks in enumerate(speed_peaks(series, marks.turns)):
         for peak in peaks:
             _point_at(figure.axes[0], peak, color_of(index))
     return figure
 
 
-def angular_velocities(
-    series: Series, spans: tuple[Mark, ...], instants: tuple[Mark, ...]
-) -> "Figure":
+def angular_velocities(series: Series, marks: Marks) -> "Figure":
     """Figure 9: angular velocity of the followers, the leader's beside it.
 
     Args:
         series: of the run.
-        spans: planned turns.
-        instants: changes of the shape.
+        marks: turns, changes of the shape.
 
     Returns:
         One plot over time.
     """
-    return _velocities(series, spans, instants, 4, "angular velocity  [rad/s]")
+    return _velocities(series, marks, 4, "angular velocity  [rad/s]")
 
 
-def _velocities(
-    series: Series, spans: tuple[Mark, ...], instants: tuple[Mark, ...], column: int, label: str
-) -> "Figure":
+def _velocities(series: Series, marks: Marks, column: int, label: str) -> "Figure":
     figure, (axes,) = new_figure(3.6)
     for robot in range(len(series.robots)):
         true, believed = series.true[:, robot, column], series.believed[:, robot, column]
         _draw_both(axes, series, robot, true, believed)
     axes.set_ylabel(label)
-    draw_marks(axes, spans, instants, text=True)
+    draw_marks(axes, marks, text=True)
     _finish_time(axes, series, last=True)
     _legend(axes, series)
     return figure

@@ -9,9 +9,10 @@ from datasets.recorded import read_session
 from pipeline.report.extras import latencies, picture
 from pipeline.report.figures import angular_velocities, linear_velocities, tracking_errors
 from pipeline.report.floor import trajectories
-from pipeline.report.marks import changes, reconfiguration, turns
-from pipeline.report.page import Chapter, Summary, write_page
-from pipeline.report.series import Collector
+from pipeline.report.marks import Marks, marks_of
+from pipeline.report.page import Chapter, Summary, page
+from pipeline.report.series import Collector, Series
+from pipeline.report.style import house_style
 from pipeline.setup import Setup, make_scores
 
 if TYPE_CHECKING:
@@ -39,22 +40,65 @@ def make_report(session: Path | str, out: Path | str, setup: Setup) -> Path:
         scores.observe(moment)
     series = collector.series()
     result = scores.result(recording.header.name, float("nan"))
-    spans, instants = turns(setup.path, setup.duration), changes(setup)
-    if not series.started:
-        spans, instants = (), ()
-    opening = reconfiguration(follower.settled_at_s for follower in result.followers)
-    drawn = (
-        ("fig6_trajectories", trajectories(series, setup)),
-        (
-            "fig7_tracking_errors",
-            tracking_errors(series, spans, (*opening_ends(opening), *instants)),
+    settled = [follower.settled_at_s for follower in result.followers]
+    marks = marks_of(setup, settled) if series.started else Marks()
+    with house_style():
+        chapters = _chapters(series, setup, marks)
+    return _write(out, chapters, Summary(recording.header, recording.end, result, series))
+
+
+def _chapters(series: Series, setup: Setup, marks: Marks) -> tuple[Chapter, ...]:
+    wide = "Wide and pale: true; thin: estimated. " if series.has_truth else "Estimates. "
+    marked = "Grey: the leader turns; dashed: formation reached, shape changes."
+    return (
+        _chapter(
+            "fig6_trajectories",
+            "Trajectories",
+            wide + "Bodies at equal intervals, linked to their leaders; dotted: wanted places.",
+            trajectories(series, setup),
         ),
-        ("fig8_linear_velocities", linear_velocities(series, spans, instants)),
-        ("fig9_angular_velocities", angular_velocities(series, spans, instants)),
-        ("latency", latencies(series)),
-        ("camera", picture(series, setup)),
+        _chapter(
+            "fig7_tracking_errors",
+            "Tracking errors, wanted minus actual",
+            wide + marked,
+            tracking_errors(series, marks),
+        ),
+        _chapter(
+            "fig8_linear_velocities",
+            "Linear velocities",
+            wide + marked,
+            linear_velocities(series, marks),
+        ),
+        _chapter(
+            "fig9_angular_velocities",
+            "Angular velocities",
+            wide + marked,
+            angular_velocities(series, marks),
+        ),
+        _chapter(
+            "latency",
+            "Latency",
+            "Per frame: finding the robots, hand-over to command, capture to the wheels' reaction.",
+            latencies(series),
+        ),
+        _chapter("camera", "What the camera saw", "", picture(series, setup)),
     )
-    return out
 
 
-"""  """
+def _chapter(stem: str, title: str, caption: str, figure: "Figure") -> Chapter:
+    data = BytesIO()
+    # Without the library's version in the file, the same session gives the same bytes.
+    figure.savefig(data, format="png", metadata={"Software": None})
+    return Chapter(stem, title, caption, data.getvalue())
+
+
+def _write(out: Path, chapters: tuple[Chapter, ...], summary: Summary) -> Path:
+    target = out / "report.html"
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for chapter in chapters:
+            (out / f"{chapter.stem}.png").write_bytes(chapter.png)
+        target.write_text(page(summary, chapters), encoding="utf-8")
+    except OSError as error:
+        raise RecordingError(f"{out}: cannot be written ({error.strerror})") from error
+    return target

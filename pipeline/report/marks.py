@@ -1,4 +1,4 @@
-"""What happened when: turns and changes of shape from the scenario, and what the robots made of it."""
+"""What happened when: turns and changes of shape as planned, and what the robots made of it."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -7,13 +7,13 @@ from math import degrees
 
 import numpy as np
 
-from control.formation import TanhStep
 from control.leader import PlannedPath
 from pipeline.report.series import Floats, Series
 from pipeline.setup import Setup
 from pipeline.viewers.stage import name_of
 
 _STEP = 0.002  # resolution of the plan's turns [s]
+_TOLD = 2  # robots named at one change of the shape
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +32,19 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
+class Marks:
+    """What is marked in every plot over time.
+
+    Attributes:
+        turns: spans in which the leader's plan turns.
+        instants: when the formation was reached, and when its shape changes.
+    """
+
+    turns: tuple[Mark, ...] = ()
+    instants: tuple[Mark, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Peak:
     """The most telling value of a curve.
 
@@ -44,6 +57,19 @@ class Peak:
     t: float
     value: float
     text: str
+
+
+def marks_of(setup: Setup, settled: Iterable[float | None]) -> Marks:
+    """All marks of a run.
+
+    Args:
+        setup: plan and formation.
+        settled: when each follower had come to its place, None if never [s].
+
+    Returns:
+        The marks.
+    """
+    return Marks(turns(setup.path, setup.duration), arrival(settled) + changes(setup))
 
 
 def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:
@@ -65,7 +91,7 @@ def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:
             (start, first), (end, last) = span[0], span[-1]
             angle, radius = degrees(last.theta - first.theta), abs(last.v / last.omega)
             side = "left" if angle > 0.0 else "right"
-            found.append(Mark(start, end, f"{abs(angle):.0f}° {side}, R = {radius:g} m"))
+            found.append(Mark(start, end, f"turn {abs(angle):.0f}° {side}, R = {radius:g} m"))
     return tuple(found)
 
 
@@ -80,36 +106,33 @@ def changes(setup: Setup) -> tuple[Mark, ...]:
     """
     told: dict[float, list[str]] = {}
     for pair in setup.formation.pairs:
-        for what in (
-            _change(pair.shape.distance, 1.0, " m"),
-            _change(pair.shape.bearing, 57.296, "°"),
-        ):
-            if what is not None and what[0] <= setup.duration:
-                told.setdefault(what[0], []).append(f"{name_of(pair.follower)} {what[1]}")
-    return tuple(Mark(t, t, ", ".join(texts)) for t, texts in sorted(told.items()))
+        steps = ((pair.shape.distance, 1.0, " m"), (pair.shape.bearing, degrees(1.0), "°"))
+        for step, scale, unit in steps:
+            if step.before != step.after and step.t <= setup.duration:
+                what = f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
+                told.setdefault(step.t, []).append(f"{name_of(pair.follower)} {what}")
+    return tuple(Mark(t, t, _shortened(texts)) for t, texts in sorted(told.items()))
 
 
-def _change(step: TanhStep, scale: float, unit: str) -> tuple[float, str] | None:
-    if step.before == step.after:
-        return None
-    return step.t, f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
+def _shortened(texts: list[str]) -> str:
+    return ", ".join(texts) if len(texts) <= _TOLD else f"{len(texts)} robots change places"
 
 
-def reconfiguration(settled: Iterable[float | None]) -> tuple[Mark, ...]:
-    """The way into the first shape.
+def arrival(settled: Iterable[float | None]) -> tuple[Mark, ...]:
+    """When the first shape was reached.
 
     Args:
         settled: when each follower had come to its place, None if never [s].
 
     Returns:
-        One span from the start until the last follower was in place; none if all began there, or
-        one never came.
+        One instant; none if all began in their places, or one never came.
     """
     times = list(settled)
     known = [t for t in times if t is not None]
     if len(known) < len(times) or not known or max(known) <= 0.0:
         return ()
-    return (Mark(0.0, max(known), f"into formation, {max(known):.1f} s"),)
+    last = max(known)
+    return (Mark(last, last, f"in formation, {last:.1f} s"),)
 
 
 def speed_peaks(series: Series, turns: tuple[Mark, ...]) -> tuple[tuple[Peak, ...], ...]:
