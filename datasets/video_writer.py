@@ -11,6 +11,7 @@ import cv2
 from av.container import OutputContainer
 from av.video.stream import VideoStream
 
+from control.geometry import wrap_angle
 from datasets.cycle import RobotState
 from datasets.errors import RecordingError
 from datasets.session_codec import Plain, form
@@ -218,7 +219,7 @@ class TruthWriter:
             "id": robot.robot_id,
             "x_m": pose.x,
             "y_m": pose.y,
-            "theta_rad": pose.theta,
+            "theta_rad": wrap_angle(pose.theta),
             "x_px": pixel.x,
             "y_px": pixel.y,
             "heading_deg": degrees(pixel.heading),

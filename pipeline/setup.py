@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from importlib import resources
 from math import radians
 
+import cv2
+
 from control.actuation import Actuation
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
@@ -126,6 +128,7 @@ def make_setup(scenario: Scenario) -> Setup:
         ConfigError: if the formation, the path, the tags or the camera are inconsistent.
     """
     load_filter()
+    cv2.setNumThreads(1)  # on small windows threads cost more than they give, and jitter
     try:
         return _setup(scenario, scenario.control.command_period_s)
     except (ControlError, VisionError) as error:

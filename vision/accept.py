@@ -108,17 +108,14 @@ def _scores(
 ) -> Floats:
     """Probability (N, T) of the least certain coloured part, all parts being in the same light."""
     scores = np.zeros((len(shapes), len(eye.tags.tags)))
-    typical, spread = eye.palette.typical, eye.thresholds.light_spread
+    width = 2.0 * eye.thresholds.light_spread**2
     for index, shape in enumerate(eye.shapes):
-        rows = np.flatnonzero(shapes == index)
-        parts = np.flatnonzero(shape.part_classes.any(axis=0))
-        classes = shape.part_classes[:, parts]  # (tags, parts)
-        own = chances[rows][:, parts, classes].min(axis=2)  # (rows, tags)
-        wanted = typical[classes]  # (tags, parts, 3)
-        seen = np.einsum("npc,tpc->ntp", colors[rows][:, parts], wanted)
-        light = np.maximum(seen / np.maximum((wanted * wanted).sum(axis=2), 1.0), 1e-3)
-        contrast = np.log(light.max(axis=2) / light.min(axis=2))
-        scores[rows[:, None], shape.tags] = own * np.exp(-0.5 * (contrast / spread) ** 2)
+        rows, parts = np.flatnonzero(shapes == index), shape.colored
+        own = chances[rows][:, parts, shape.part_classes[:, parts]].min(axis=2)  # (rows, tags)
+        light = np.einsum("npc,tpc->ntp", colors[rows][:, parts], shape.reference)
+        light = np.log(np.maximum(light, 1e-3))
+        contrast = light.max(axis=2) - light.min(axis=2)
+        scores[rows[:, None], shape.tags] = own * np.exp(-(contrast**2) / width)
     return scores
 
 
@@ -155,7 +152,7 @@ def _color_reason(
     if len(rows) == 0:
         return "no robot of this shape is missing"
     part = min(
-        np.flatnonzero(shape.part_classes.any(axis=0)),
+        shape.colored.tolist(),
         key=lambda k: chances[k][shape.part_classes[rows, k]].max(),
     )
     label = ("no colour", *eye.palette.names)

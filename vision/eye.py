@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vision.camera import CameraModel
 from vision.errors import VisionError
-from vision.floor_map import block_floor, floor_map, image_scales, scale_levels
+from vision.floor_map import floor_map, image_scales, sample_map, scale_levels
 from vision.optics import ChromaModel, Optics
 from vision.palette import Palette
 from vision.shapes import Shape, group_tags, make_shape
@@ -60,9 +60,8 @@ class Eye:
         shapes: geometries of the tags.
         shape_of: shape (T,), index of every tag's geometry.
         templates: blurred coverages.
-        floor: shape (H, W, 3), homogeneous floor point (x, y, 1) at tag height behind every pixel
-            [m].
-        block_floor: shape (H // 2, W // 2, 3), the same of the chroma samples of 2 x 2 blocks.
+        samples: shape (H // 2, W // 2, 5, 4), floor points at tag height behind the samples of all
+            2 x 2 blocks, see `sample_map` [m].
         level: shape (H, W), index of the scale nearest to every pixel's.
         window_px: side of the window around a tag, even [px].
         blocks: shape (B,), those of a window's 2 x 2 blocks, counted row by row, that are used.
@@ -77,8 +76,7 @@ class Eye:
     shapes: tuple[Shape, ...]
     shape_of: NDArray[np.intp]
     templates: Templates
-    floor: Singles
-    block_floor: Singles
+    samples: Singles
     level: NDArray[np.uint8]
     window_px: int
     blocks: NDArray[np.intp]
@@ -124,7 +122,7 @@ def make_eye(
     least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
     return Eye(
         camera, tags, palette, optics, thresholds, shapes, shape_of, templates,
-        floor, block_floor(floor, optics.chroma), scale_levels(floor, scales),
+        sample_map(floor, optics.chroma, templates.chroma_row), scale_levels(floor, scales),
         window, _used_blocks(window), least_px,
     )  # fmt: skip
 

@@ -57,23 +57,29 @@ def floor_map(camera: CameraModel) -> Singles:
     return points.reshape(h, w, 3)
 
 
-def block_floor(floor: Singles, chroma: ChromaModel) -> Singles:
-    """Find the floor points of the colour samples of all blocks of 2 x 2 pixels.
+def sample_map(floor: Singles, chroma: ChromaModel, chroma_row: int) -> Singles:
+    """Arrange the floor points of the samples of all blocks of 2 x 2 pixels as the fit needs them.
 
     Args:
         floor: shape (H, W, 3), homogeneous floor points of the pixels [m].
         chroma: where colour is sampled.
+        chroma_row: fourth coordinate of colour samples; that of brightness samples is 0.
 
     Returns:
-        Homogeneous floor points, shape (H // 2, W // 2, 3) [m], read-only.
+        Shape (H // 2, W // 2, 5, 4): x, y, 1, row of the four pixels, row by row, and of the colour
+        sample, read-only.
     """
     right, down = np.float32(0.5) - np.array(chroma.offset_px, np.float32)
     h, w = floor.shape[0] // 2 * 2, floor.shape[1] // 2 * 2
-    first = floor[:h:2, :w:2]
-    across, along = floor[:h:2, 1:w:2] - first, floor[1:h:2, :w:2] - first
-    points: Singles = first + right * across + down * along
-    points.flags.writeable = False
-    return points
+    blocks = floor[:h, :w].reshape(h // 2, 2, w // 2, 2, 3).transpose(0, 2, 1, 3, 4)
+    blocks = blocks.reshape(h // 2, w // 2, 4, 3)
+    across, along = blocks[:, :, 1] - blocks[:, :, 0], blocks[:, :, 2] - blocks[:, :, 0]
+    samples = np.zeros((h // 2, w // 2, 5, 4), np.float32)
+    samples[:, :, :4, :3] = blocks
+    samples[:, :, 4, :3] = blocks[:, :, 0] + right * across + down * along
+    samples[:, :, 4, 3] = chroma_row
+    samples.flags.writeable = False
+    return samples
 
 
 def scale_levels(floor: Singles, scales: Floats) -> NDArray[np.uint8]:

@@ -81,7 +81,8 @@ def propose(
 
 def _own(shape: Shape, wanted: tuple[int, ...]) -> Indices:
     """Positions within a shape of the tags that are wanted."""
-    return np.flatnonzero(np.isin(shape.tags, wanted))
+    own = [place for place, tag in enumerate(shape.tags.tolist()) if tag in wanted]
+    return np.array(own, np.intp)
 
 
 def _pair_poses(blobs: Blobs, floor: Floats, eye: Eye, shape: Shape, own: Indices) -> Floats:
@@ -144,6 +145,8 @@ def _joined(parts: list[Candidates]) -> Candidates:
 
 def _distinct(candidates: Candidates, eye: Eye) -> Candidates:
     """Drop candidates that a better one repeats; looks at four times as many as will be kept."""
+    if len(candidates) < 2:
+        return candidates
     looked = candidates.take(np.arange(min(len(candidates), 4 * eye.thresholds.max_candidates)))
     away = looked.poses[:, None] - looked.poses
     near = np.hypot(away[..., 0], away[..., 1]) < _SAME_PLACE * eye.tags.outer_radius
@@ -191,6 +194,8 @@ def _missing_partner(eye: Eye, label: int, area: float, scale: float) -> str:
 
 def _weak(weak: Candidates, kept: Candidates, eye: Eye) -> tuple[Rejection, ...]:
     """Say of pairs that disagree with the class image by how much, if nothing better is there."""
+    if len(weak) == 0:
+        return ()
     reasons: list[Rejection] = []
     told = kept.poses
     radius = eye.tags.outer_radius

@@ -10,7 +10,6 @@ channels come in 4 groups of M: coverage, and its derivatives by a step forward,
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import cv2
 import numpy as np
@@ -22,15 +21,15 @@ from vision.template import Singles
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
-_Window = NDArray[Any]
 
 _PRIOR_WEIGHT = 20.0  # pixels that the stated noise counts for, against the residuals found
 _RIDGE = 1e-3  # pixels of brightness 0 for every part: keeps parts out of sight solvable
-_STEP = 0.15  # longest Gauss-Newton step, in sides of the tag
-_TURN = 0.3  # largest Gauss-Newton turn [rad]
-_SETTLED_M, _SETTLED_RAD = 1.0 / 2e-4, 1.0 / 5e-3  # inverse of steps after which none follows
+_STEP = 0.3  # longest Gauss-Newton step, in half sides of the tag
+_SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
+_LEAST = 0.05  # share of the residuals that a step leaves at least
 _MODEL_PX = 0.008  # error of the model itself: pixels are squares, not Gaussians
 _MODEL_TURN_PX = 0.027  # and of the heading, as a displacement at one side's distance
+_NO_MAP = np.empty(0, np.float32)
 _STIFFNESS = np.diag((1e2, 1e2, 1e-2))  # as if known to 0.1 m, 10 rad: keeps blind fits solvable
 _LUMA = YCC_FROM_BGR[:1].T.astype(np.float32)
 _CHROMA = (YCC_FROM_BGR[1:].T / 4.0).astype(np.float32)  # of the sum of 4 pixels
@@ -55,32 +54,35 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True)
-class _Plane:
-    """The pixels of luma or chroma around every tag.
+class _Samples:
+    """Brightness and colour around every tag; B blocks of 2 x 2 pixels.
 
-    floor: (R, P, 3) homogeneous floor points [m]; values: (R, P, 1) luma or (R, P, 2) chromas;
-    rows: (R,) where the tags' templates begin.
+    floor: (R, 5 B, 4) homogeneous floor points [m] and row, first those of the 4 B pixels, then
+    those of the B colour samples; luma: (R, 4 B, 1); chroma: (R, B, 2); rows: (R,) where the tags'
+    templates begin.
     """
 
     floor: Singles
-    values: Singles
+    luma: Singles
+    chroma: Singles
     rows: Indices
 
 
 @dataclass(frozen=True, slots=True)
 class _Step:
-    """Normal equations H (R, 3, 3), g (R, 3), and per channel what they were made from.
+    """Normal equations H (R, 3, 3), g (R, 3, 1), and what they were made from.
 
-    bright: (R, C, M) brightness of the parts; own: (R, C, 3, 3) J^T J; squares: (R, C) sum of
-    squared residuals; precision: (R, C) inverse variance of a pixel.
+    bright: (R, C, M) brightness of the parts; in units of the noise, per tag (R,): misfit, the sum
+    of squared residuals; slope, of squared derivatives by position; freedom, what the misfit and
+    the prior of the noise would be if the noise were as stated.
     """
 
     normal: Floats
     gradient: Floats
     bright: Floats
-    own: Floats
-    squares: Floats
-    precision: Floats
+    misfit: Floats
+    slope: Floats
+    freedom: Floats
 
 
 def fit_poses(
@@ -98,54 +100,52 @@ def fit_poses(
     Returns:
         The fitted tags, in the same order.
     """
-    planes, scale = _cut_out(image, eye, shapes, start)
+    samples, scale = _cut_out(image, eye, shapes, start)
     poses = start.astype(np.float64, copy=True)
-    side = eye.tags.tags[0].side
-    longest = _STEP * side
+    arm = 0.5 * eye.templates.side  # turns are compared with displacements at this distance
     for _ in range(steps):
-        step = _linearised(planes, eye, poses)
-        delta = _shortened(np.asarray(np.linalg.solve(step.normal, step.gradient)[..., 0]), longest)
-        poses += _in_floor_frame(poses[:, 2], delta)
-        if (np.abs(delta) * (_SETTLED_M, _SETTLED_M, _SETTLED_RAD)).max() < 1.0:
+        step = _linearised(samples, eye, poses)
+        delta = np.asarray(np.linalg.solve(step.normal, step.gradient)[..., 0])
+        length = np.fmax(np.hypot(delta[:, 0], delta[:, 1]), arm * np.abs(delta[:, 2]))
+        delta /= np.fmax(length / (_STEP * arm), 1.0)[:, None]
+        _move(poses, delta)
+        if (length * scale < _SETTLED_PX).all():
             break
-    return _outcome(poses, step, scale, scale * side)
+    return _outcome(poses, step, delta, scale, 2.0 * arm * scale)
 
 
 def _cut_out(
     image: NDArray[np.uint8], eye: Eye, shapes: Indices, start: Floats
-) -> tuple[tuple[_Plane, _Plane], Floats]:
+) -> tuple[_Samples, Floats]:
     """Cut a window of whole 2 x 2 blocks around every tag, shifted to lie inside the image."""
     w, h = eye.camera.size_px
-    n = eye.window_px
+    n, b = eye.window_px, eye.window_px // 2
     points = np.column_stack((start[:, :2], np.full(len(start), eye.camera.tag_height)))
-    center = np.clip(np.nan_to_num(eye.camera.project(points)), 0, (w - 1, h - 1))
-    corners = np.clip(center - (0.5 * n - 1.5), 0, (w - n, h - n)) // 2 * 2
-    places = corners.astype(int).tolist()
-    pixels = _blocks(eye, [image[y : y + n, x : x + n] for x, y in places]).astype(np.float32)
-    floor = _blocks(eye, [eye.floor[y : y + n, x : x + n] for x, y in places])
-    half = [eye.block_floor[y // 2 : (y + n) // 2, x // 2 : (x + n) // 2] for x, y in places]
-    count = len(start)
-    block_floor = np.stack(half).reshape(count, -1, 3)
-    means = pixels.sum(axis=2)
-    if eye.optics.chroma.mixed_one_way:
-        means = _mixed_down(means, n // 2)
-    luma = pixels.take(eye.blocks, axis=1).reshape(count, -1, 3) @ _LUMA
-    chroma = means.take(eye.blocks, axis=1) @ _CHROMA
+    center = np.fmax(np.fmin(eye.camera.project(points), (w - 1, h - 1)), 0)
+    corners = np.fmax(np.fmin(center - (n / 2 - 1.5), (w - n, h - n)), 0).astype(int) // 2
+    places = corners.tolist()
+    pixels = [image[2 * y : 2 * y + n, 2 * x : 2 * x + n] for x, y in places]
+    luma, chroma = _planes(np.stack(pixels), eye)
+    floor = np.stack([eye.samples[y : y + b, x : x + b] for x, y in places])
+    floor = floor.reshape(-1, b * b, 5, 4).take(eye.blocks, axis=1).transpose(0, 2, 1, 3)
     level = eye.level[tuple(center.astype(int).T[::-1])].astype(np.intp)
     templates = eye.templates
     rows = (level * templates.shapes + shapes) * templates.pitch
-    floor, block_floor = floor.take(eye.blocks, axis=1), block_floor.take(eye.blocks, axis=1)
-    return (
-        _Plane(floor.reshape(count, -1, 3), luma, rows),
-        _Plane(block_floor, chroma, rows + templates.chroma_row),
-    ), templates.scales[level]
+    samples = _Samples(floor.reshape(len(start), -1, 4), luma, chroma, rows)
+    return samples, templates.scales[level]
 
 
-def _blocks(eye: Eye, windows: list[_Window]) -> _Window:
-    """All 2 x 2 blocks of windows (n, n, 3) as one array (R, b * b, 4, 3)."""
-    b = eye.window_px // 2
-    split = np.stack(windows).reshape(-1, b, 2, b, 2, 3).transpose(0, 1, 3, 2, 4, 5)
-    return split.reshape(-1, b * b, 4, 3)
+def _planes(windows: NDArray[np.uint8], eye: Eye) -> tuple[Singles, Singles]:
+    """Luma (R, 4 B, 1) and chroma means (R, B, 2) of the used blocks of windows (R, n, n, 3)."""
+    count, b = len(windows), eye.window_px // 2
+    split = windows.reshape(count, b, 2, b, 2, 3).transpose(0, 2, 4, 1, 3, 5)
+    pixels = split.reshape(count, 4, b * b, 3).astype(np.float32)
+    sums = pixels[:, 0] + pixels[:, 1] + pixels[:, 2] + pixels[:, 3]
+    if eye.optics.chroma.mixed_one_way:
+        sums = _mixed_down(sums, b)
+    luma: Singles = pixels.take(eye.blocks, axis=2).reshape(count, -1, 3) @ _LUMA
+    chroma: Singles = sums.take(eye.blocks, axis=1) @ _CHROMA
+    return luma, chroma
 
 
 def _mixed_down(means: Singles, b: int) -> Singles:
@@ -157,42 +157,45 @@ def _mixed_down(means: Singles, b: int) -> Singles:
     return mixed.reshape(means.shape)
 
 
-def _linearised(planes: tuple[_Plane, _Plane], eye: Eye, poses: Floats) -> _Step:
+def _linearised(samples: _Samples, eye: Eye, poses: Floats) -> _Step:
     """Linearise the picture about the poses and eliminate the brightness of the parts."""
-    gram, moment, energy = _sums(planes, eye, poses)
+    gram, moment, energy = _sums(samples, eye, poses)
     count, parts = len(poses), eye.templates.parts + 1
     covers = gram[..., :parts, :parts]  # V^T V
-    inverse = np.linalg.inv(covers + _RIDGE * np.eye(parts))
+    inverse = np.linalg.inv(covers + _RIDGE * eye.templates.unit)
     bright = inverse @ moment[..., :parts, None]  # (R, C, M, 1)
     turned = bright.transpose(0, 1, 3, 2)[:, :, None]
     mixed = (turned @ gram.reshape(count, 3, 4, parts, 4 * parts))[:, :, :, 0]  # (R, C, 4, 4 M)
     products = (mixed.reshape(count, 3, 4, 4, parts) @ bright[:, :, None])[..., 0]
     seen = moment.reshape(count, 3, 4, parts) @ bright  # (R, C, 4, 1)
-    squares = np.maximum(energy - 2.0 * seen[..., 0, 0] + products[..., 0, 0], 0.0)
-    free = _PRIOR_WEIGHT + np.maximum(covers.sum(axis=(2, 3)) - parts, 1.0)
-    free[:, 1:] *= eye.optics.chroma.independence
+    squares = np.fmax(energy - 2.0 * seen[..., 0, 0] + products[..., 0, 0], 0.0)
+    free = _PRIOR_WEIGHT + np.fmax(np.einsum("rcij->rc", covers) - parts, 1.0)
+    free *= (1.0, eye.optics.chroma.independence, eye.optics.chroma.independence)
     precision = free / (_PRIOR_WEIGHT * (max(eye.optics.noise, 0.5) * _NOISE_GAIN) ** 2 + squares)
     shared = mixed[:, :, 1:, :parts]  # J^T V
     own = products[:, :, 1:, 1:]  # J^T J
     reduced = own - shared @ inverse @ shared.transpose(0, 1, 3, 2)
     gradient = seen[:, :, 1:] - products[:, :, 1:, :1]  # J^T (y - V a)
-    weight = precision[..., None, None]
-    normal = (reduced * weight).sum(axis=1) + _STIFFNESS
-    total = (gradient * weight).sum(axis=1)
-    return _Step(normal, total, bright[..., 0], own, squares, precision)
+    return _Step(
+        np.einsum("rcij,rc->rij", reduced, precision) + _STIFFNESS,
+        np.einsum("rcij,rc->rij", gradient, precision),
+        bright[..., 0],
+        np.einsum("rc,rc->r", squares, precision),
+        np.einsum("rc,rc->r", own[..., 0, 0] + own[..., 1, 1], precision),
+        np.einsum("rc->r", free),
+    )
 
 
-def _sums(planes: tuple[_Plane, _Plane], eye: Eye, poses: Floats) -> tuple[Floats, Floats, Floats]:
-    """Weighted sums over the pixels: template by template (R, C, 4 M, 4 M), template by picture
+def _sums(samples: _Samples, eye: Eye, poses: Floats) -> tuple[Floats, Floats, Floats]:
+    """Weighted sums over the samples: template by template (R, C, 4 M, 4 M), template by picture
     (R, C, 4 M) and picture by itself (R, C).
     """
-    to_cells = _cells_from_floor(eye, poses)
-    rows = to_cells[:, 2, 1].copy()
+    at = samples.floor @ _cells_from_floor(eye, poses, samples.rows)
+    cells = np.asarray(cv2.remap(eye.templates.cells, at, _NO_MAP, cv2.INTER_LINEAR), np.float32)
+    pixels = samples.luma.shape[1]
     grams, moments, energies = [], [], []
-    for plane in planes:
-        to_cells[:, 2, 1] = rows + plane.rows
-        cells = _looked_up(eye.templates.cells, plane.floor @ to_cells)
-        model, picture = cells[..., 1:], plane.values * cells[..., :1]
+    for part, values in ((cells[:, :pixels], samples.luma), (cells[:, pixels:], samples.chroma)):
+        model, picture = part[..., 1:], values * part[..., :1]
         turned = model.transpose(0, 2, 1)
         grams.append(turned @ model)
         moments.append((turned @ picture).transpose(0, 2, 1))
@@ -202,48 +205,42 @@ def _sums(planes: tuple[_Plane, _Plane], eye: Eye, poses: Floats) -> tuple[Float
     return gram, moment, energy
 
 
-def _looked_up(cells: Singles, at: Singles) -> Singles:
-    """All channels of the templates at cells (R, P, 2), between cells by linear interpolation."""
-    empty = np.empty(0, np.float32)
-    return np.asarray(cv2.remap(cells, at, empty, cv2.INTER_LINEAR), np.float32)
-
-
-def _cells_from_floor(eye: Eye, poses: Floats) -> Singles:
-    """Matrices (R, 3, 2) that take homogeneous floor points to the tags' template cells."""
+def _cells_from_floor(eye: Eye, poses: Floats, rows: Indices) -> Singles:
+    """Matrices (R, 4, 2) that take floor points to cells of the tags' templates."""
     pitch = 1.0 / eye.templates.cell
-    c, s = pitch * np.cos(poses[:, 2]), pitch * np.sin(poses[:, 2])
-    x, y = poses[:, 0], poses[:, 1]
+    x, y, theta = poses.T
+    c, s = pitch * np.cos(theta), pitch * np.sin(theta)
     middle = eye.templates.n // 2
-    matrix = np.array([[c, -s], [s, c], [middle - c * x - s * y, middle + s * x - c * y]])
-    return np.ascontiguousarray(matrix.transpose(2, 0, 1), np.float32)
+    matrix = np.empty((len(poses), 4, 2), np.float32)
+    matrix[:, 0, 0], matrix[:, 0, 1] = c, -s
+    matrix[:, 1, 0], matrix[:, 1, 1] = s, c
+    matrix[:, 2, 0], matrix[:, 2, 1] = middle - c * x - s * y, middle + rows + s * x - c * y
+    matrix[:, 3] = (0.0, 1.0)
+    return matrix
 
 
-def _shortened(delta: Floats, longest: float) -> Floats:
-    """Shorten steps (R, 3) that are too long to be trusted."""
-    reach = np.hypot(delta[:, 0], delta[:, 1]) / longest
-    shortened: Floats = delta / np.fmax(np.fmax(reach, np.abs(delta[:, 2]) / _TURN), 1.0)[:, None]
-    return shortened
-
-
-def _in_floor_frame(theta: Floats, delta: Floats) -> Floats:
-    """Turn steps (R, 3) from the tags' frames to the floor's."""
-    c, s = np.cos(theta), np.sin(theta)
+def _move(poses: Floats, delta: Floats) -> None:
+    """Add steps (R, 3) in the tags' own frames to poses (R, 3) on the floor."""
     dx, dy, turn = delta.T
-    return np.column_stack((c * dx - s * dy, s * dx + c * dy, turn))
+    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+    poses[:, 0] += c * dx - s * dy
+    poses[:, 1] += s * dx + c * dy
+    poses[:, 2] += turn
 
 
-def _outcome(poses: Floats, step: _Step, scale: Floats, side_px: Floats) -> Fit:
-    """Gather the outcome of the last step."""
+def _outcome(poses: Floats, step: _Step, delta: Floats, scale: Floats, side_px: Floats) -> Fit:
+    """Gather the outcome of the last step, with what it took off the residuals."""
     c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
     turn = np.zeros((len(poses), 3, 3))
     turn[:, 0, 0] = turn[:, 1, 1] = c
     turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = -s, s, 1.0
-    covariances = turn @ np.linalg.inv(step.normal) @ turn.transpose(0, 2, 1)
+    gain = np.einsum("ri,ri->r", delta, step.gradient[..., 0])
+    left = np.fmax(1.0 - gain / step.freedom, _LEAST)[:, None, None]
+    covariances = turn @ (left * np.linalg.inv(step.normal)) @ turn.transpose(0, 2, 1)
     covariances[:, 0, 0] += (_MODEL_PX / scale) ** 2
     covariances[:, 1, 1] += (_MODEL_PX / scale) ** 2
     covariances[:, 2, 2] += (_MODEL_TURN_PX / side_px) ** 2
-    misfit = (step.squares * step.precision).sum(axis=1)
-    slope = ((step.own[..., 0, 0] + step.own[..., 1, 1]) * step.precision).sum(axis=1)
-    residual = np.sqrt(misfit / np.maximum(slope, 1e-9)) * scale
+    misfit = np.fmax(step.misfit - gain, _LEAST * step.misfit)
+    residual = np.sqrt(misfit / np.fmax(step.slope, 1e-9)) * scale
     colors = step.bright[:, :, :-1].transpose(0, 2, 1) @ BGR_FROM_YCC.T
     return Fit(poses, covariances, residual, colors)

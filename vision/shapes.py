@@ -33,6 +33,9 @@ class Shape:
         sample_parts: shape (S,), the part of every such point.
         outline: shape (3 + C, 2), the centre, a point 1 mm ahead of it, one 1 mm behind it, and the
             corners of the plate [m].
+        colored: shape (P,), the parts that have a colour.
+        reference: shape (tags, P, 3), the colours of these parts divided by their squared length:
+            times a colour seen, it gives the light.
         inner_radius: of the circle inside the plate [m].
     """
 
@@ -45,6 +48,8 @@ class Shape:
     samples: Floats
     sample_parts: NDArray[np.intp]
     outline: Floats
+    colored: NDArray[np.intp]
+    reference: Floats
     inner_radius: float
 
 
@@ -83,6 +88,7 @@ def make_shape(tags: TagSet, group: tuple[int, ...], template: Template, palette
     )
     colored = np.flatnonzero(part_classes.any(axis=0))
     points = [sample_points(template, int(part), _SAMPLES) for part in colored]
+    typical = palette.typical[part_classes[:, colored]]
     centroids = np.array([tag.visible_centroid(i) for i in range(count)])
     areas = np.array([tag.visible_area(i) for i in range(count)])
     return Shape(
@@ -95,6 +101,8 @@ def make_shape(tags: TagSet, group: tuple[int, ...], template: Template, palette
         np.concatenate(points),
         np.repeat(colored, [len(p) for p in points]),
         np.vstack((_AXIS, tag.parts[0].polygon)),
+        colored,
+        typical / np.maximum((typical * typical).sum(axis=2, keepdims=True), 1.0),
         tag.inner_radius,
     )
 

@@ -53,6 +53,8 @@ class Templates:
         cell: side of a cell [m].
         scales: shape (L,), ascending, for which templates were made [px/m].
         shapes: number of shapes.
+        side: of the largest tag [m].
+        unit: shape (K + 1, K + 1), the unit matrix.
         parts: K, the largest number of parts.
     """
 
@@ -63,6 +65,8 @@ class Templates:
     cell: float
     scales: Floats
     shapes: int
+    side: float
+    unit: Floats
     parts: int
 
 
@@ -102,7 +106,9 @@ def stack_templates(
         raise VisionError(f"{len(tags)} tag shapes at {len(scales)} scales need too many templates")
     cells.flags.writeable = False
     pitch = n + len(gap)
-    return Templates(cells, len(cells) // 2, n, pitch, cell, scales, len(tags), parts), sharp
+    side, unit = max(tag.side for tag in tags), np.eye(parts + 1)
+    row = len(cells) // 2
+    return Templates(cells, row, n, pitch, cell, scales, len(tags), side, unit, parts), sharp
 
 
 def make_template(tag: Tag, parts: int, reach: float, cell: float, blur: float) -> Template:

@@ -83,7 +83,7 @@ class StreamReader:
         stream = self._container.streams.video[0]
         stream.codec_context.thread_count = 1  # frame threads would each hold one picture back
         stream.codec_context.options = {"flags": "low_delay", "err_detect": "explode"}
-        backlog, asked = 0, self._clock.now()
+        backlog, asked = BACKLOG, self._clock.now()
         for packet in self._container.demux(stream):
             arrival = self._clock.now()
             backlog = 0 if arrival - asked > BACKLOG_WAIT else max(0, backlog - 1)
@@ -109,7 +109,7 @@ class StreamReader:
         for frame in frames:
             intact = not (packet.is_corrupt or frame.is_corrupt)
             self._whole = intact and (self._whole or bool(frame.key_frame))
-            shown += [frame] if self._whole else []
+            shown += [frame] if intact else []
         return shown
 
 

@@ -2,17 +2,15 @@
 
 from typing import TYPE_CHECKING
 
+import cv2
 import numpy as np
 
-from pipeline.report.series import Floats, Series
-from pipeline.report.style import color_of, new_figure, say_empty
+from pipeline.report.series import Series
+from pipeline.report.style import new_figure, say_empty
 from pipeline.setup import Setup
-from pipeline.viewers.stage import name_of, placed
-from vision.frame import Frame
-from vision.scene import Scene
+from pipeline.viewers.overlay import draw_scene
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _TIMES = (
@@ -53,49 +51,19 @@ def latencies(series: Series) -> "Figure":
     return figure
 
 
-def picture(series: Series, setup: Setup) -> "Figure":
-    """The frame with the most robots, with what was accepted and rejected.
+def seen_picture(series: Series, setup: Setup) -> bytes:
+    """A frame with the most robots, with what was accepted and rejected.
 
     Args:
         series: of the run.
         setup: camera and tags.
 
     Returns:
-        The picture.
+        A PNG; a plain grey one if no frame was looked at.
     """
-    figure, (axes,) = new_figure(5.4)
-    if series.picture is None:
-        say_empty(axes, "no frame was looked at")
-        return figure
-    frame, scene = series.picture
-    axes.imshow(frame.image[:, :, ::-1], interpolation="nearest")
-    axes.grid(visible=False)
-    _draw_found(axes, frame, scene, series, setup)
-    for rejection in scene.rejected:
-        axes.plot(rejection.x, rejection.y, "x", ms=6, color="#ff5050", mew=1.2)
-    axes.set_xlabel("x  [px]")
-    axes.set_ylabel("y  [px]")
-    text = f"frame {frame.sequence}: {len(scene.detections)} robots, {len(scene.rejected)} rejected"
-    axes.set_title(f"{text} (red crosses)" if scene.rejected else text, fontsize=9.5)
-    return figure
-
-
-def _draw_found(axes: "Axes", frame: Frame, scene: Scene, series: Series, setup: Setup) -> None:
-    camera = setup.eye_for(frame.size_px).camera
-    outlines = {tag.robot_id: tag.parts[0].polygon for tag in setup.tags.tags}
-    for detection in scene.detections:
-        robot_id = detection.robot_id
-        index = series.robots.index(robot_id) if robot_id in series.robots else 0
-        corners: Floats = placed(outlines[robot_id], detection.pose)
-        height = np.full((len(corners), 1), camera.tag_height)
-        pixels = camera.project(np.hstack((corners, height)))
-        axes.fill(*pixels.T, fill=False, ec=color_of(index) if index else "white", lw=1.4)
-        axes.text(
-            detection.pixel.x,
-            pixels[:, 1].min() - 0.015 * frame.size_px[1],
-            name_of(robot_id),
-            color="white",
-            fontsize=9,
-            fontweight="bold",
-            ha="center",
-        )
+    image = np.full((60, 640, 3), 200, np.uint8)
+    if series.picture is not None:
+        frame, scene = series.picture
+        camera = setup.eye_for(frame.size_px).camera
+        image = draw_scene(frame.image, scene, setup.tags, camera)
+    return cv2.imencode(".png", image)[1].tobytes()

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from pipeline.report.marks import Marks, Peak, best_states, speed_peaks
+from pipeline.report.marks import Marks, Peak, speed_peaks
 from pipeline.report.series import Floats, Series
-from pipeline.report.style import GREY, color_of, draw_marks, new_figure, say_empty
+from pipeline.report.style import color_of, draw_marks, new_figure, say_empty
 from pipeline.viewers.stage import name_of
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ def tracking_errors(series: Series, marks: Marks) -> "Figure":
     units = (("distance error  [mm]", 1e3), ("bearing error  [deg]", np.degrees(1.0)))
     for column, (axes, (label, scale)) in enumerate(zip(plots, units, strict=True)):
         limit = _TOLERANCES[column]
-        axes.axhspan(-limit, limit, color="#e9f5ee", lw=0, zorder=0)
+        axes.axhspan(-limit, limit, color="#bfe5cd", alpha=0.35, lw=0, zorder=0.5)
         for pair, (true, believed) in enumerate(
             zip(series.true_errors, series.believed_errors, strict=True)
         ):
@@ -40,11 +40,7 @@ def tracking_errors(series: Series, marks: Marks) -> "Figure":
         axes.set_ylabel(label)
         draw_marks(axes, marks, text=column == 0)
         _finish_time(axes, series, last=column == 1)
-    plots[1].text(
-        0.995, 0.04, "green: settled, within 20 mm and 0.1 rad",
-        transform=plots[1].transAxes, ha="right", fontsize=8, color=GREY,
-    )  # fmt: skip
-    _legend(plots[0], series)
+    _legend(figure, series)
     return figure
 
 
@@ -59,9 +55,8 @@ def linear_velocities(series: Series, marks: Marks) -> "Figure":
         One plot over time, the paper's remarks as numbers.
     """
     figure = _velocities(series, marks, 3, "linear velocity  [m/s]")
-    for index, peaks in enumerate(speed_peaks(series, marks.turns)):
-        for peak in peaks:
-            _point_at(figure.axes[0], peak, color_of(index))
+    for peak in speed_peaks(series, marks.turns):
+        _point_at(figure.axes[0], peak, color_of(series.robots.index(peak.robot_id)))
     return figure
 
 
@@ -86,7 +81,7 @@ def _velocities(series: Series, marks: Marks, column: int, label: str) -> "Figur
     axes.set_ylabel(label)
     draw_marks(axes, marks, text=True)
     _finish_time(axes, series, last=True)
-    _legend(axes, series)
+    _legend(figure, series)
     return figure
 
 
@@ -110,7 +105,7 @@ def _thinned(times: Floats, values: Floats) -> tuple[Floats, Floats]:
 def _finish_time(axes: "Axes", series: Series, last: bool) -> None:
     if not axes.lines or not axes.get_legend_handles_labels()[0]:
         say_empty(axes, "no mission: nothing to follow was seen")
-    axes.margins(x=0.0)
+    axes.margins(x=0.0, y=0.12)
     if len(series.times) > 1:
         axes.set_xlim(min(0.0, series.times[0]), series.times[-1])
     if last:
@@ -118,38 +113,26 @@ def _finish_time(axes: "Axes", series: Series, last: bool) -> None:
         axes.set_xlabel(f"{clock}  [s]")
 
 
-def _legend(axes: "Axes", series: Series) -> None:
-    handles, names = axes.get_legend_handles_labels()
+def _legend(figure: "Figure", series: Series) -> None:
+    """One line below the plots: the robots, and how true and estimated are told apart."""
+    handles, names = figure.axes[0].get_legend_handles_labels()
     if not handles:
         return
     both = series.has_truth and np.isfinite(series.believed).any()
     title = "wide: true, thin: estimated" if both else ("true" if series.has_truth else "estimated")
-    axes.legend(handles, names, title=title, title_fontsize=8, ncols=min(len(names), 4))
+    figure.legend(
+        handles, names, title=title, title_fontsize=8, ncols=7, loc="outside lower center"
+    )
 
 
 def _point_at(axes: "Axes", peak: Peak, color: str) -> None:
-    if not np.isfinite(peak.value):
-        return
     axes.plot([peak.t], [peak.value], "o", ms=4.5, color=color, zorder=5)
-    up = " up " in peak.text
     axes.annotate(
         peak.text,
         (peak.t, peak.value),
-        xytext=(8, 10 if up else -14),
+        xytext=(8, 10 if peak.outer else -14),
         textcoords="offset points",
         color=color,
         fontsize=8.5,
         fontweight="bold",
     )
-
-
-def has_states(series: Series) -> bool:
-    """Whether there is anything to draw on the floor.
-
-    Args:
-        series: of the run.
-
-    Returns:
-        True if any robot's place is known at any time.
-    """
-    return bool(np.isfinite(best_states(series)[0]).any())

@@ -41,7 +41,7 @@ def trajectories(series: Series, setup: Setup) -> "Figure":
         _draw_paths(axes, series)
         for k in _snapshots(times, states):
             _draw_snapshot(axes, setup, states[k], float(times[k]))
-        axes.legend(loc="center", ncols=2, fontsize=9)
+        figure.legend(loc="outside upper center", ncols=5, fontsize=9)
         axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x  [m]")
     axes.set_ylabel("y  [m]")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from datasets.errors import RecordingError
 from datasets.recorded import read_session
-from pipeline.report.extras import latencies, picture
+from pipeline.report.extras import latencies, seen_picture
 from pipeline.report.figures import angular_velocities, linear_velocities, tracking_errors
 from pipeline.report.floor import trajectories
 from pipeline.report.marks import Marks, marks_of
@@ -60,7 +60,7 @@ def _chapters(series: Series, setup: Setup, marks: Marks) -> tuple[Chapter, ...]
         _chapter(
             "fig7_tracking_errors",
             "Tracking errors, wanted minus actual",
-            wide + marked,
+            wide + marked + " Green: in place, within 2 cm and 0.1 rad.",
             tracking_errors(series, marks),
         ),
         _chapter(
@@ -81,8 +81,16 @@ def _chapters(series: Series, setup: Setup, marks: Marks) -> tuple[Chapter, ...]
             "Per frame: finding the robots, hand-over to command, capture to the wheels' reaction.",
             latencies(series),
         ),
-        _chapter("camera", "What the camera saw", "", picture(series, setup)),
+        Chapter("camera", "What the camera saw", _seen(series), seen_picture(series, setup)),
     )
+
+
+def _seen(series: Series) -> str:
+    if series.picture is None:
+        return "No frame was looked at."
+    frame, scene = series.picture
+    found, rejected = len(scene.detections), len(scene.rejected)
+    return f"Frame {frame.sequence}: {found} robots found, {rejected} candidates rejected (red)."
 
 
 def _chapter(stem: str, title: str, caption: str, figure: "Figure") -> Chapter:

@@ -4,9 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import groupby
 from math import degrees
+from typing import Literal
 
 import numpy as np
 
+from control.command import RobotId
 from control.leader import PlannedPath
 from pipeline.report.series import Floats, Series
 from pipeline.setup import Setup
@@ -24,11 +26,13 @@ class Mark:
         start: when it begins [s].
         end: when it ends, equal to start for an instant [s].
         text: what it is, in a few words with numbers.
+        align: which side of the text is at the mark.
     """
 
     start: float
     end: float
     text: str
+    align: Literal["center", "right"] = "center"
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,16 +50,20 @@ class Marks:
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """The most telling value of a curve.
+    """The greatest or least speed of a follower in a turn.
 
     Attributes:
-        t: when [s].
-        value: in the unit of the curve.
+        robot_id: the follower.
+        t: when, on the mission's clock [s].
+        value: the speed [m/s].
+        outer: whether it drives on the outside of the turn.
         text: what it says.
     """
 
+    robot_id: RobotId
     t: float
     value: float
+    outer: bool
     text: str
 
 
@@ -132,10 +140,10 @@ def arrival(settled: Iterable[float | None]) -> tuple[Mark, ...]:
     if len(known) < len(times) or not known or max(known) <= 0.0:
         return ()
     last = max(known)
-    return (Mark(last, last, f"in formation, {last:.1f} s"),)
+    return (Mark(last, last, f"in formation at {last:.1f} s", "right"),)
 
 
-def speed_peaks(series: Series, turns: tuple[Mark, ...]) -> tuple[tuple[Peak, ...], ...]:
+def speed_peaks(series: Series, turns: tuple[Mark, ...]) -> tuple[Peak, ...]:
     """How followers on the outside and on the inside of turns change their speed.
 
     Args:
@@ -143,16 +151,17 @@ def speed_peaks(series: Series, turns: tuple[Mark, ...]) -> tuple[tuple[Peak, ..
         turns: planned turns.
 
     Returns:
-        Per robot, in the order of the series: the greatest speed of those faster than the leader
-        in a turn, the least of those slower; none for the leader.
+        For every turn the greatest speed of the follower that is fastest, if faster than the
+        leader, and the least of the one that is slowest, if slower.
     """
     states, times = best_states(series)
-    return tuple(
-        tuple(_peak(series, states[:, :, 3], times, robot, turn) for turn in turns if robot)
-        if np.isfinite(states[:, robot, 3]).any()
-        else ()
-        for robot in range(len(series.robots))
-    )
+    found = []
+    for turn in turns:
+        inside = (times >= turn.start) & (times <= turn.end)
+        speeds = states[inside, :, 3]
+        if np.isfinite(speeds).all() and speeds.size:
+            found += _extremes(series, speeds, times[inside])
+    return tuple(found)
 
 
 def best_states(series: Series) -> tuple[Floats, Floats]:
@@ -169,12 +178,15 @@ def best_states(series: Series) -> tuple[Floats, Floats]:
     return series.believed, series.ahead
 
 
-def _peak(series: Series, speeds: Floats, times: Floats, robot: int, turn: Mark) -> Peak:
-    inside = np.flatnonzero((times >= turn.start) & (times <= turn.end))
-    own, lead = speeds[inside, robot], speeds[inside, 0]
-    if not len(inside) or not np.isfinite(own - lead).any():
-        return Peak(turn.start, np.nan, "")
-    outer = np.nanmean(own - lead) > 0.0
-    k = inside[np.nanargmax(own) if outer else np.nanargmin(own)]
-    value, name = float(speeds[k, robot]), name_of(series.robots[robot])
-    return Peak(float(times[k]), value, f"{name} {'up' if outer else 'down'} to {value:.2f} m/s")
+def _extremes(series: Series, speeds: Floats, times: Floats) -> list[Peak]:
+    """The fastest of the outer and the slowest of the inner followers in one turn."""
+    peaks = []
+    ahead = speeds[:, 1:].mean(axis=0) - speeds[:, 0].mean()
+    for sign, word in ((1.0, "up"), (-1.0, "down")):
+        who = int(np.argmax(sign * ahead))
+        if sign * ahead[who] > 0.0:
+            own, robot_id = speeds[:, who + 1], series.robots[who + 1]
+            k = int(np.argmax(sign * own))
+            text = f"{name_of(robot_id)} {word} to {own[k]:.2f} m/s"
+            peaks.append(Peak(robot_id, float(times[k]), float(own[k]), sign > 0.0, text))
+    return peaks

@@ -38,7 +38,7 @@ class Series:
         phases: mission clock and name of every phase entered.
         events: what the safety rules did; their times are of the capture clock.
         notes: what else the run told.
-        picture: the first frame with the most robots found, and what was found in it.
+        picture: a frame with the most robots found, and what was found in it.
     """
 
     robots: tuple[RobotId, ...]
@@ -86,6 +86,7 @@ class Collector:
     _events: list[SafetyEvent] = field(default_factory=list)
     _notes: list[str] = field(default_factory=list)
     _picture: tuple[Frame, Scene] | None = None
+    _first: float | None = None
 
     def observe(self, moment: Moment) -> None:
         """Take note of one cycle.
@@ -163,9 +164,17 @@ class Collector:
         age = moment.cycle.t_effective - scene.t_capture
         cost = (timing.vision, timing.step, timing.frame_to_command, age)
         self._frames.extend((scene.t_capture, found, rejected, *cost))
-        most = -1 if self._picture is None else len(self._picture[1].detections)
-        if frame is not None and found > most:
+        if frame is not None and self._is_better(frame, found):
             self._picture = frame, scene
+
+    def _is_better(self, frame: Frame, found: int) -> bool:
+        """More robots; or as many, and twice as late: so the picture comes from the midst."""
+        self._first = frame.t_capture if self._first is None else self._first
+        if self._picture is None:
+            return True
+        then, most = self._picture[0].t_capture, len(self._picture[1].detections)
+        late = frame.t_capture - self._first >= max(2.0 * (then - self._first), 0.25)
+        return found > most or (found == most and late)
 
 
 def _states(robots: tuple[RobotState, ...], ids: tuple[RobotId, ...]) -> "array[float]":

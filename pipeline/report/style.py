@@ -90,16 +90,17 @@ def draw_marks(axes: "Axes", marks: Marks, text: bool) -> None:
         axes.axvline(instant.start, color=GREY, lw=0.9, ls=(0, (4, 3)), zorder=1)
     if not text:
         return
-    for height, row in ((1.015, marks.turns), (1.085, marks.instants)):
+    for height, row in ((4.0, marks.turns), (15.0, marks.instants)):
         for mark in row:
-            axes.text(
-                0.5 * (mark.start + mark.end),
-                height,
+            axes.annotate(
                 mark.text,
-                transform=axes.get_xaxis_transform(),
+                (0.5 * (mark.start + mark.end), 1.0),
+                xycoords=axes.get_xaxis_transform(),
+                xytext=(0.0, height),
+                textcoords="offset points",
                 fontsize=8,
                 color="#5a6068",
-                ha="center",
+                ha=mark.align,
             )
 
 

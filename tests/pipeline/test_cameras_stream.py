@@ -91,7 +91,7 @@ def test_frames_arrive_in_order_with_their_capture_times(
     make: Callable[[], Streamer], spread: float
 ) -> None:
     streamer = make()
-    film = Filming(streamer, 100, jitter=0.03)
+    film = Filming(streamer, 90, jitter=0.03)
     with camera_at(streamer.url) as camera:
         got = [frame for frame in received(camera) if frame[0] < len(film.taken)]
         with pytest.raises(CameraError, match=r"ended|broke off"):
@@ -164,9 +164,10 @@ def textured(number: int) -> NDArray[np.uint8]:
 
 
 class Lossy:
-    """An H.264 camera behind a line that loses a datagram of two hundred."""
+    """An H.264 camera behind a line that loses a datagram now and then."""
 
-    def __init__(self) -> None:
+    def __init__(self, paint: Callable[[int], NDArray[np.uint8]], lost_one_in: int) -> None:
+        self._paint, self._lost_one_in = paint, lost_one_in
         self._sender, self.url = UdpSender(SIZE, FPS), UdpSender(SIZE, FPS).url
         self._socket = socket.socket(type=socket.SOCK_DGRAM)
         self._socket.bind(("127.0.0.1", int(self._sender.url.rpartition(":")[2])))
@@ -174,7 +175,7 @@ class Lossy:
         threading.Thread(target=self._relay, daemon=True).start()
 
     def publish(self, image: NDArray[np.uint8], t: float) -> None:
-        self._sender.publish(textured(number_in(image)), t)
+        self._sender.publish(self._paint(number_in(image)), t)
 
     def close(self) -> None:
         self._sender.close()
@@ -184,20 +185,23 @@ class Lossy:
         with self._socket, suppress(TimeoutError):
             for number in count(1):
                 data = self._socket.recv(65536)
-                if number % 200:
+                if number % self._lost_one_in:
                     self._socket.sendto(data, to)
 
 
-def test_a_picture_damaged_by_loss_is_not_shown_nor_what_builds_on_it() -> None:
+@pytest.mark.parametrize(("paint", "lost_one_in"), [(textured, 200), (numbered, 11)])
+def test_a_picture_damaged_by_loss_is_not_shown_nor_what_builds_on_it(
+    paint: Callable[[int], NDArray[np.uint8]], lost_one_in: int
+) -> None:
     """A decoder fills holes with what was there before: robots where they no longer are."""
-    film, errors = Filming(Lossy(), 120, 0.0), []
+    film, errors = Filming(Lossy(paint, lost_one_in), 100, 0.0), []
     with camera_at(film.url) as camera, suppress(CameraError):
         while True:
             frame = camera.latest(CLOCK.now())
             if frame is None:
                 time.sleep(0.001)
                 continue
-            expected = textured(number_in(frame.image)).astype(int)
+            expected = paint(round(FPS * (frame.t_capture - film.taken[0]))).astype(int)
             errors.append(np.abs(frame.image - expected).mean())
     assert len(errors) >= 10
     assert max(errors) < 6.0  # of 255: what the codec costs; a hole is 20 to 50
@@ -223,6 +227,29 @@ def test_a_broken_jpeg_is_left_out_and_the_stream_goes_on() -> None:
             time.sleep(0.001)
     assert 10 < len(images) <= 30
     assert all(np.abs(image - textured(7).astype(int)).mean() < 6.0 for image in images)
+
+
+def test_what_queued_up_before_opening_is_not_taken_for_fresh() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=send_backlog, args=(server,), daemon=True).start()
+        with camera_at(f"http://127.0.0.1:{server.getsockname()[1]}/") as camera:
+            numbers = [number for number, _, _ in received(camera)]
+    assert min(numbers) >= 19
+    assert len(numbers) >= 8
+
+
+def send_backlog(server: socket.socket) -> None:
+    """Nineteen old pictures at once, then a new one every 40 ms."""
+    connection, _ = server.accept()
+    with connection:
+        connection.recv(4096)
+        kind = b"multipart/x-mixed-replace; boundary=b"
+        connection.sendall(b"HTTP/1.0 200 OK\r\nContent-Type: " + kind + b"\r\n\r\n")
+        for number in range(30):
+            jpeg = cv2.imencode(".jpg", numbered(number))[1].tobytes()
+            head = b"--b\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n" % len(jpeg)
+            connection.sendall(head + jpeg + b"\r\n")
+            time.sleep(0.04 if number > 18 else 0.0)
 
 
 def test_a_server_that_answers_without_video() -> None:
