@@ -78,14 +78,14 @@ def _record(kind: Any) -> Form:
     hints = get_type_hints(kind)
     parts = tuple((field.name, form(hints[field.name])) for field in fields(kind))
 
-    def encode(value: Any) -> Plain:
+    def _encode(value: Any) -> Plain:
         return {name: part.encode(getattr(value, name)) for name, part in parts}
 
-    def decode(plain: Any) -> Any:
+    def _decode(plain: Any) -> Any:
         return kind(*[part.decode(plain[name]) for name, part in parts])
 
     properties: dict[str, Plain] = {name: part.schema for name, part in parts}
-    return Form(encode, decode, {"type": "object", "properties": properties})
+    return Form(_encode, _decode, {"type": "object", "properties": properties})
 
 
 def _union(options: tuple[Any, ...]) -> Form:
@@ -119,18 +119,18 @@ def _sequence(items: tuple[Any, ...]) -> Form:
 
 
 def _array(dtype: Any) -> Form:
-    def decode(plain: Any) -> Any:
+    def _decode(plain: Any) -> Any:
         array = np.array(plain, dtype=dtype)
         array.flags.writeable = False
         return array
 
-    def encode(value: Any) -> Plain:
+    def _encode(value: Any) -> Plain:
         plain: Plain = value.tolist()
         if value.dtype.kind == "f" and not np.isfinite(value).all():
             plain = np.vectorize(_float_out, otypes=[object])(value).tolist()
         return plain
 
-    return Form(encode, decode, {"type": "array", "items": {}})
+    return Form(_encode, _decode, {"type": "array", "items": {}})
 
 
 def dumps(plain: Plain) -> bytes:

@@ -56,6 +56,8 @@ class SensorConfig(Section):
     blur_px: Annotated[float, Field(ge=0, le=5)] = 0.6
     uneven_light: Fraction = 0.0
     chroma: Literal["444", "422", "420"] = "420"
+    chroma_upsampling: Literal["linear", "nearest"] = "linear"
+    chroma_offset_px: tuple[Finite, Finite] = (0.0, 0.0)
     jpeg_quality: Annotated[int, Field(ge=1, le=100)] | None = None
 
 
@@ -177,11 +179,13 @@ class ControlConfig(Section):
 
 
 class EstimationConfig(Section):
-    """The motion model of the robots' filters."""
+    """The motion model of the robots' filters, and noise of poses that the fit cannot know."""
 
     acceleration_std_mps2: Positive = 2.0
     turn_acceleration_std_radps2: Positive = 5.0
     lag_s: Positive | None = None
+    pose_std_m: NonNegative = 0.0002
+    heading_std_deg: NonNegative = 0.2
 
 
 class StartUpConfig(Section):

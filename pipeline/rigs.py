@@ -185,5 +185,7 @@ def _sensor(config: SensorConfig) -> SensorModel:
         blur_px=config.blur_px,
         uneven_light=config.uneven_light,
         chroma=config.chroma,
+        chroma_offset_px=config.chroma_offset_px,
+        chroma_upsampling=config.chroma_upsampling,
         jpeg_quality=config.jpeg_quality,
     )

@@ -7,6 +7,8 @@ from importlib import resources
 from math import radians
 
 import cv2
+import numpy as np
+from numpy.typing import NDArray
 
 from control.actuation import Actuation
 from control.errors import ControlError
@@ -56,6 +58,8 @@ class Setup:
             commanded; the paper tells them nothing.
         motion: model of a robot that obeys the commands sent.
         free_motion: model of a robot nobody has commanded yet.
+        pose_noise: covariance, shape (3, 3), added to that of the fit: what lens model, codec and
+            printed tags do without the pixels telling [m^2, rad^2].
         rules: of safety.
         period: between two ticks [s].
         radio_delay: from sending a command to its effect [s].
@@ -77,6 +81,7 @@ class Setup:
     leader_commands_known: bool
     motion: MotionModel
     free_motion: MotionModel
+    pose_noise: NDArray[np.float64]
     rules: SafetyRules
     period: float
     radio_delay: float
@@ -205,7 +210,8 @@ def _eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
     used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
     palette = palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
     s = scenario.sensor
-    return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, ChromaModel(s.chroma)))
+    chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
+    return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
 
 
 def _setup(scenario: Scenario, period: float) -> Setup:
@@ -224,6 +230,7 @@ def _setup(scenario: Scenario, period: float) -> Setup:
         leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
         free_motion=_motion(scenario, None, doubt),
+        pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
         period=period,
         radio_delay=scenario.radio.delay_s,
@@ -245,6 +252,11 @@ def _motion(scenario: Scenario, lag: float | None, doubt: tuple[float, float]) -
     e = scenario.estimation
     accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
     return MotionModel(lag, *accelerations, *doubt)
+
+
+def _pose_noise(scenario: Scenario) -> NDArray[np.float64]:
+    e = scenario.estimation
+    return np.diag(np.square((e.pose_std_m, e.pose_std_m, radians(e.heading_std_deg))))
 
 
 def _gains(scenario: Scenario, period: float) -> SlidingGains:

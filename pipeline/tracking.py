@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from math import hypot
 
 from control.command import Command, RobotId
 from control.estimation import (
     Estimate,
+    Innovation,
     MotionModel,
     correct,
     initial_estimate,
@@ -27,6 +29,9 @@ Tracks = Mapping[RobotId, Track]
 
 GATE = 40.0
 """Squared Mahalanobis distance beyond which a pose is not believed at once; chance: 1e-8."""
+
+NEAR, NEAR_TURN = 0.03, 0.5
+"""A pose as near as this is believed whatever the filter expects: robots get pushed [m, rad]."""
 
 
 def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scene | None, Tracks]:
@@ -114,10 +119,18 @@ def _corrected(
     if track is None or expected is None:
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
         return Track(estimate, estimate.state, t)
-    if innovation(expected, seen.pose, seen.covariance).squared_distance <= GATE:
-        estimate = correct(expected, seen.pose, seen.covariance)
+    covariance = seen.covariance + setup.pose_noise
+    if _believable(innovation(expected, seen.pose, covariance)):
+        estimate = correct(expected, seen.pose, covariance)
     elif t - track.estimate.t > setup.rules.stop_after:
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
     else:
         return track
     return Track(estimate, estimate.state, t, track.sent)
+
+
+def _believable(found: Innovation) -> bool:
+    """Whether a pose can be the robot's: near the expected one, or no surprise to the filter."""
+    dx, dy, turn = found.residual.tolist()
+    near = hypot(dx, dy) <= NEAR and abs(turn) <= NEAR_TURN
+    return near or found.squared_distance <= GATE

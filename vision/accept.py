@@ -194,16 +194,18 @@ def _separate(
 
 
 def _matched(scores: Floats, least: float) -> list[tuple[int, int]]:
-    """Pairs (candidate, tag): the assignment with the largest sum of scores."""
-    allowed = np.where(scores >= least, scores, 0.0)
-    if (np.count_nonzero(allowed, axis=0) <= 1).all() and (
-        np.count_nonzero(allowed, axis=1) <= 1
-    ).all():
-        return [(int(n), int(t)) for n, t in np.argwhere(allowed)]  # nobody competes
-    from scipy.optimize import linear_sum_assignment  # half a second, rarely needed
+    """Pair candidates (rows) and tags, the surest pair first.
 
-    pairs = zip(*linear_sum_assignment(allowed, maximize=True), strict=True)
-    return [(int(n), int(t)) for n, t in pairs if allowed[n, t] > 0.0]
+    The chances of two colours for one part add up to at most 1, so a candidate reaches more than
+    1/2 for one tag only; for `least` above 1/2 this is the assignment with the largest sum.
+    """
+    pairs = np.argwhere(scores >= least)
+    order = np.argsort(-scores[tuple(pairs.T)], kind="stable")
+    chosen: dict[int, int] = {}
+    for n, tag in pairs[order].tolist():
+        if n not in chosen and tag not in chosen.values():
+            chosen[n] = tag
+    return list(chosen.items())
 
 
 def _detection(verdict: Verdict, fit: Fit, n: int, tag: int, eye: Eye) -> Detection:

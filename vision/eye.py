@@ -18,7 +18,7 @@ from vision.template import Singles, Templates, stack_templates
 __all__ = ["ChromaModel", "Eye", "Optics", "Thresholds", "make_eye"]
 
 _REACH, _REACH_PX = 1.05, 0.3  # half the window's side: in radii of the tag, and pixels more
-_MOST_BLOCKS = 200  # used of a window; larger windows are thinned out
+_MOST_BLOCKS = 100  # used of a window; larger windows are thinned out
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ class Eye:
             2 x 2 blocks, see `sample_map` [m].
         level: shape (H, W), index of the scale nearest to every pixel's.
         window_px: side of the window around a tag, even [px].
-        blocks: shape (B,), those of a window's 2 x 2 blocks, counted row by row, that are used.
+        blocks: shape (B, 2), x, y of the 2 x 2 blocks of a window that are used [blocks].
         min_blob_px: area of the smallest blob that counts [px].
     """
 
@@ -135,4 +135,5 @@ def _used_blocks(window_px: int) -> NDArray[np.intp]:
     inside = np.hypot(x - middle, y - middle) <= 0.5 * count + 0.3
     stride = -(-int(np.count_nonzero(inside)) // _MOST_BLOCKS)
     turn = next(m for m in range(round(0.62 * stride), 2 * stride + 1) if gcd(m, stride) == 1)
-    return np.flatnonzero(inside & ((x + turn * y) % stride == 0))
+    used = np.flatnonzero(inside & ((x + turn * y) % stride == 0))
+    return np.column_stack((x[used], y[used]))

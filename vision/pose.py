@@ -119,42 +119,37 @@ def _cut_out(
 ) -> tuple[_Samples, Floats]:
     """Cut a window of whole 2 x 2 blocks around every tag, shifted to lie inside the image."""
     w, h = eye.camera.size_px
-    n, b = eye.window_px, eye.window_px // 2
-    points = np.column_stack((start[:, :2], np.full(len(start), eye.camera.tag_height)))
+    n, templates, count = eye.window_px, eye.templates, len(start)
+    points = np.column_stack((start[:, :2], np.full(count, eye.camera.tag_height)))
     center = np.fmax(np.fmin(eye.camera.project(points), (w - 1, h - 1)), 0)
-    corners = np.fmax(np.fmin(center - (n / 2 - 1.5), (w - n, h - n)), 0).astype(int) // 2
-    places = corners.tolist()
-    pixels = [image[2 * y : 2 * y + n, 2 * x : 2 * x + n] for x, y in places]
-    luma, chroma = _planes(np.stack(pixels), eye)
-    floor = np.stack([eye.samples[y : y + b, x : x + b] for x, y in places])
-    floor = floor.reshape(-1, b * b, 5, 4).take(eye.blocks, axis=1).transpose(0, 2, 1, 3)
-    level = eye.level[tuple(center.astype(int).T[::-1])].astype(np.intp)
-    templates = eye.templates
+    corners = np.fmax(np.fmin(center - (n / 2 - 1.5), (w - n, h - n)), 0).astype(np.intp) // 2
+    x, y = (corners[:, None] + eye.blocks).transpose(2, 0, 1)  # blocks, (R, B)
+    luma, chroma = _planes(image, eye, x, y)
+    floor = eye.samples[y, x].transpose(0, 2, 1, 3).reshape(count, -1, 4)
+    column, row = center.astype(np.intp).T
+    level = eye.level[row, column].astype(np.intp)
     rows = (level * templates.shapes + shapes) * templates.pitch
-    samples = _Samples(floor.reshape(len(start), -1, 4), luma, chroma, rows)
-    return samples, templates.scales[level]
+    return _Samples(floor, luma, chroma, rows), templates.scales[level]
 
 
-def _planes(windows: NDArray[np.uint8], eye: Eye) -> tuple[Singles, Singles]:
-    """Luma (R, 4 B, 1) and chroma means (R, B, 2) of the used blocks of windows (R, n, n, 3)."""
-    count, b = len(windows), eye.window_px // 2
-    split = windows.reshape(count, b, 2, b, 2, 3).transpose(0, 2, 4, 1, 3, 5)
-    pixels = split.reshape(count, 4, b * b, 3).astype(np.float32)
-    sums = pixels[:, 0] + pixels[:, 1] + pixels[:, 2] + pixels[:, 3]
-    if eye.optics.chroma.mixed_one_way:
-        sums = _mixed_down(sums, b)
-    luma: Singles = pixels.take(eye.blocks, axis=2).reshape(count, -1, 3) @ _LUMA
-    chroma: Singles = sums.take(eye.blocks, axis=1) @ _CHROMA
-    return luma, chroma
+def _planes(image: NDArray[np.uint8], eye: Eye, x: Indices, y: Indices) -> tuple[Singles, Singles]:
+    """Luma (R, 4 B, 1) and chroma means (R, B, 2) of the blocks at x, y (R, B)."""
+    h, w = image.shape[0] // 2, image.shape[1] // 2
+    blocks = image[: 2 * h, : 2 * w].reshape(h, 2, w, 2, 3)
+    pixels = blocks[y, :, x].astype(np.float32)  # (R, B, 2, 2, 3)
+    sums = _block_sums(pixels)
+    if eye.optics.chroma.mixed_one_way:  # mix the rows 1 : 6 : 1, as upsampling mixed the columns
+        above = _block_sums(blocks[np.fmax(y - 1, 0), :, x].astype(np.float32))
+        below = _block_sums(blocks[np.fmin(y + 1, h - 1), :, x].astype(np.float32))
+        sums = 0.75 * sums + 0.125 * (above + below)
+    luma = pixels.transpose(0, 2, 3, 1, 4).reshape(len(x), -1, 3) @ _LUMA
+    return np.asarray(luma, np.float32), np.asarray(sums @ _CHROMA, np.float32)
 
 
-def _mixed_down(means: Singles, b: int) -> Singles:
-    """Mix the rows of block means (R, b * b, 3) 1 : 6 : 1, as upsampling mixed the columns."""
-    rows = means.reshape(-1, b, b, 3)
-    mixed = 0.75 * rows
-    mixed[:, 1:] += 0.125 * rows[:, :-1]
-    mixed[:, :-1] += 0.125 * rows[:, 1:]
-    return mixed.reshape(means.shape)
+def _block_sums(pixels: Singles) -> Singles:
+    """Sums (R, B, 3) over the four pixels of blocks (R, B, 2, 2, 3)."""
+    rows: Singles = pixels[:, :, 0] + pixels[:, :, 1]
+    return rows[:, :, 0] + rows[:, :, 1]
 
 
 def _linearised(samples: _Samples, eye: Eye, poses: Floats) -> _Step:

@@ -77,7 +77,7 @@ def nonzero_indices(classes: Classes) -> Indices:
     return found
 
 
-def _labels(classes: Classes, at: Indices) -> NDArray[np.int32]:
+def _labels(classes: Classes, at: Indices) -> NDArray[np.integer]:
     """Label the regions in one pass: pixels that touch another colour above or left are cut out."""
     flat = classes.reshape(-1)
     own, left, above = flat[at], flat[at - 1], flat[at - classes.shape[1]]
@@ -87,4 +87,6 @@ def _labels(classes: Classes, at: Indices) -> NDArray[np.int32]:
     if len(cut):
         mask = classes.copy()
         mask.reshape(-1)[cut] = 0
-    return np.asarray(cv2.connectedComponents(mask, connectivity=4, ltype=cv2.CV_32S)[1])
+    small = classes.size < 2**17  # a checkerboard has half as many regions as pixels
+    ltype = cv2.CV_16U if small else cv2.CV_32S
+    return np.asarray(cv2.connectedComponents(mask, connectivity=4, ltype=ltype)[1])

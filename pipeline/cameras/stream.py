@@ -12,7 +12,7 @@ from pipeline.ports import Clock
 READ_TIMEOUT = 2.0  # a stream that is silent for longer has failed [s]
 # What has queued up while the stream was probed says nothing about delays: it is decoded but not
 # shown, until a packet had to be waited for.
-BACKLOG, BACKLOG_WAIT = 100, 0.004  # packets at most, wait that ends it [1, s]
+BACKLOG, BACKLOG_WAIT = 100, 0.010  # packets at most, wait that ends it [1, s]
 
 # What FFmpeg would hold back for smoothness is wrong for control: the newest picture counts.
 LOW_DELAY = {
@@ -109,7 +109,7 @@ class StreamReader:
         for frame in frames:
             intact = not (packet.is_corrupt or frame.is_corrupt)
             self._whole = intact and (self._whole or bool(frame.key_frame))
-            shown += [frame] if intact else []
+            shown += [frame] if self._whole else []
         return shown
 
 

@@ -3,7 +3,6 @@
 from math import inf
 
 WINDOW = 5.0  # the smallest delay is sought over the last one to two windows [s]
-RESTART = 1.0  # a step of the stream's time larger than this starts anew [s]
 
 
 class StreamTiming:
@@ -12,6 +11,8 @@ class StreamTiming:
     A frame arrives late by transport jitter, never early, so the smallest arrival - timestamp of
     the last five to ten seconds is the offset between the clocks, up to the constant latency.
     The window lets the offset follow the drift of the sender's clock (50 ppm: 0.5 ms in 10 s).
+    A frame held up for seconds is dated as old as it is. Only timestamps that run backwards, of a
+    camera that has restarted, make all that was known void.
     """
 
     def __init__(self, latency: float) -> None:
@@ -22,6 +23,7 @@ class StreamTiming:
         """
         self._latency = latency
         self._before, self._current, self._since = inf, inf, -inf
+        self._newest = -inf
 
     def capture_time(self, timestamp: float | None, arrival: float) -> float:
         """Say when a frame was taken.
@@ -35,16 +37,10 @@ class StreamTiming:
         """
         if timestamp is None:
             return arrival - self._latency
-        offset = arrival - timestamp
-        if abs(offset - self._offset()) > RESTART:
-            self._restart(arrival)
+        if timestamp < self._newest:
+            self._before, self._current, self._since = inf, inf, arrival
         elif arrival - self._since > WINDOW:
             self._before, self._current, self._since = self._current, inf, arrival
-        self._current = min(self._current, offset)
-        return timestamp + self._offset() - self._latency
-
-    def _offset(self) -> float:
-        return min(self._before, self._current)
-
-    def _restart(self, arrival: float) -> None:
-        self._before, self._current, self._since = inf, inf, arrival
+        self._newest = timestamp
+        self._current = min(self._current, arrival - timestamp)
+        return timestamp + min(self._before, self._current) - self._latency

@@ -21,6 +21,7 @@ from pipeline.setup import Setup, make_scores, make_setup
 from pipeline.trajectory import TrajectoryFile
 
 SAFETY_STOP, INTERRUPTED = 4, 130
+PATIENCE = 10.0  # for robots that a rendered camera should see at once [s]
 ROOM = 1.5  # a link is asked for commands this much slower than it could carry them
 
 
@@ -95,7 +96,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:
             rig = replace(rig, observers=(scores, *others))
             start = perf_counter()
-            why = run(setup, rig, setup.period, request.duration, interrupted)
+            why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start
     output.result(scores.result(setup.name, wall))
     finish(outputs, output)
@@ -135,7 +136,7 @@ def observers(
             outputs.session.parent.mkdir(parents=True, exist_ok=True)
             made.append(SessionWriter(outputs.session, header_of(scenario, seed), lossless))
         if outputs.view != "none":
-            made.append(_viewer(outputs.view, setup))
+            made.append(_viewer(outputs.view, setup, lossless))
         if outputs.trajectory is not None:
             made.append(TrajectoryFile(outputs.trajectory, setup))
         made.append(Progress(duration or scenario.duration_s))
@@ -185,6 +186,13 @@ def _scenario(request: Request) -> Scenario:
     return load_scenario(request.scenario, changes)
 
 
+def _end(request: Request, scenario: Scenario) -> float | None:
+    """When a run ends at the latest; people may take their time with real robots [s]."""
+    if request.duration is None and request.camera == "rendered":
+        return scenario.duration_s + PATIENCE
+    return request.duration
+
+
 def _paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
     """The scenario with a command period that the radio can carry."""
     period = ROOM * min_period
@@ -195,7 +203,7 @@ def _paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
     return scenario.model_copy(update={"control": control})
 
 
-def _viewer(view: str, setup: Setup) -> Observer:
+def _viewer(view: str, setup: Setup, wait: bool) -> Observer:
     from pipeline.viewers.open import open_viewer
 
-    return open_viewer(view, setup)
+    return open_viewer(view, setup, wait)

@@ -41,7 +41,8 @@ def make_report(session: Path | str, out: Path | str, setup: Setup) -> Path:
     series = collector.series()
     result = scores.result(recording.header.name, float("nan"))
     settled = [follower.settled_at_s for follower in result.followers]
-    marks = marks_of(setup, settled) if series.started else Marks()
+    until = float(series.times[-1]) if series.started else 0.0
+    marks = marks_of(setup, settled, until)
     with house_style():
         chapters = _chapters(series, setup, marks)
     return _write(out, chapters, Summary(recording.header, recording.end, result, series))

@@ -67,17 +67,22 @@ class Peak:
     text: str
 
 
-def marks_of(setup: Setup, settled: Iterable[float | None]) -> Marks:
+def marks_of(setup: Setup, settled: Iterable[float | None], until: float) -> Marks:
     """All marks of a run.
 
     Args:
         setup: plan and formation.
         settled: when each follower had come to its place, None if never [s].
+        until: when the run ended, mission clock [s].
 
     Returns:
         The marks.
     """
-    return Marks(turns(setup.path, setup.duration), arrival(settled) + changes(setup))
+    instants = arrival(settled) + changes(setup)
+    return Marks(
+        turns(setup.path, min(setup.duration, until)),
+        tuple(instant for instant in instants if instant.start <= until),
+    )
 
 
 def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:

@@ -10,7 +10,8 @@ from math import degrees
 import numpy as np
 
 from datasets.recorded import SessionEnd, SessionHeader
-from datasets.truth import RunResult
+from datasets.sightings import VisionScore
+from datasets.truth import Latencies, RunResult
 from pipeline.report.series import Series
 from pipeline.viewers.stage import name_of
 
@@ -30,6 +31,7 @@ th { font-weight: 600; color: var(--soft); } pre { font-size: .78rem; overflow-x
 """
 
 Cell = str | float | int | None
+Row = tuple[Cell, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,10 +136,10 @@ def _followers(summary: Summary) -> str:
 
 def _numbers(summary: Summary) -> str:
     result, series = summary.result, summary.series
-    leader, vision, latency = result.leader, result.vision, result.latency_ms
+    leader = result.leader
     rejected = int(series.frames[:, 2].sum())
     found = float(series.frames[:, 1].mean()) if len(series.frames) else None
-    rows: list[tuple[Cell, ...]] = [
+    rows: list[Row] = [
         ("leader off its plan, rms", _times(leader.position_rms_m if leader else None, 1e3), "mm"),
         ("least distance between two bodies", _times(result.min_clearance_m, 1e3), "mm"),
         ("robots found in a frame, mean", found, ""),
@@ -145,25 +147,31 @@ def _numbers(summary: Summary) -> str:
         ("commands sent", result.commands_sent, ""),
         ("cycles the recorder dropped", summary.end.dropped, ""),
     ]
-    if vision is not None:
-        rows += [
-            ("recall of robots in view", _times(vision.recall, 100.0), "%"),
-            ("false identities", vision.false_ids, ""),
-            ("position error of detections, rms", _times(vision.position_rms_m, 1e3), "mm"),
-            ("heading error, rms", _times(vision.heading_rms_rad, degrees(1.0)), "deg"),
-        ]
-    if latency is not None:
-        rows += [
-            ("vision, median / 99 %", f"{latency.vision_p50:.2f} / {latency.vision_p99:.2f}", "ms"),
-            ("cycle with a frame", f"{latency.step_p50:.2f} / {latency.step_p99:.2f}", "ms"),
-            (
-                "frame to command",
-                f"{latency.frame_to_command_p50:.2f} / {latency.frame_to_command_p99:.2f}",
-                "ms",
-            ),
-        ]
+    rows += _vision_rows(result.vision) if result.vision else []
+    rows += _latency_rows(result.latency_ms) if result.latency_ms else []
     notes = "".join(f"<p>{escape(note)}</p>" for note in series.notes)
     return _table(("", "value", "unit"), rows) + notes
+
+
+def _vision_rows(vision: VisionScore) -> list[Row]:
+    return [
+        ("recall of robots in view", _times(vision.recall, 100.0), "%"),
+        ("false identities", vision.false_ids, ""),
+        ("position error of detections, rms", _times(vision.position_rms_m, 1e3), "mm"),
+        ("heading error of detections, rms", _times(vision.heading_rms_rad, degrees(1.0)), "deg"),
+    ]
+
+
+def _latency_rows(latency: Latencies) -> list[Row]:
+    """Median and 99th percentile."""
+    pairs = (
+        ("vision", latency.vision_p50, latency.vision_p99),
+        ("cycle with a frame", latency.step_p50, latency.step_p99),
+        ("frame to command", latency.frame_to_command_p50, latency.frame_to_command_p99),
+    )
+    return [
+        (f"{what}, median / 99 %", f"{mid:.2f} / {high:.2f}", "ms") for what, mid, high in pairs
+    ]
 
 
 def _events(summary: Summary) -> str:
@@ -177,7 +185,7 @@ def _events(summary: Summary) -> str:
     return _table(("capture clock  [s]", "kind", "robot", "what"), rows)
 
 
-def _phases(series: Series) -> list[tuple[Cell, ...]]:
+def _phases(series: Series) -> list[Row]:
     return [(round(t, 3), phase) for t, phase in series.phases]
 
 

@@ -122,7 +122,8 @@ class Collector:
         true = _table(self._true, _STATE * len(robots)).reshape(-1, len(robots), _STATE)
         frames = _table(self._frames, _FRAME)
         frames[:, 0] -= start
-        mission = now - start if self._start is not None else np.full(len(now), np.nan)
+        begun = (now >= start) & (self._start is not None)
+        mission = np.where(begun, now - start, np.nan)
         motions = Motions(robots, now, mission, true)
         offset = self.setup.follower.camera_offset
         return Series(

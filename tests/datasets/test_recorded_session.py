@@ -262,8 +262,5 @@ def test_real_time_drops_are_counted_and_written(
 def test_full_disk_is_reported_at_the_end(run: list[Moment]) -> None:
     if not Path("/dev/full").exists():
         pytest.skip("needs /dev/full")
-    with pytest.raises(RecordingError, match="/dev/full.*space"):
-        writer = SessionWriter("/dev/full", HEADER)
-        for moment in run[:50]:
-            writer.observe(moment)
-        writer.close()
+    with pytest.raises(RecordingError, match=r"/dev/full: .*space"):
+        record(Path("/dev/full"), run[:50])

@@ -2,7 +2,7 @@
 
 import json
 import os
-from math import degrees
+from math import degrees, pi
 from pathlib import Path
 
 import av
@@ -179,7 +179,7 @@ def test_damaged_image_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["out", "out.mkv"])
 def test_truth_beside_the_frames(tmp_path: Path, name: str) -> None:
     eye, pose = camera(), Pose2D(0.3, 0.2, 0.7)
-    state = UnicycleState(pose.x, pose.y, pose.theta, 0.5, 0.0)
+    state = UnicycleState(pose.x, pose.y, pose.theta + 2 * pi, 0.5, 0.0)  # headings come wrapped
     writer = TruthWriter(tmp_path / name, 30.0, eye)
     frames = noisy_frames(3)
     for frame in frames:
@@ -192,10 +192,11 @@ def test_truth_beside_the_frames(tmp_path: Path, name: str) -> None:
     assert truth["fps"] == 30.0
     assert truth["camera"]["size_px"] == [320, 240]
     robot, pixel = truth["frames"][2]["robots"][0], eye.pixel_pose(pose)
-    assert robot == {
+    expected = {
         "id": "R1", "x_m": 0.3, "y_m": 0.2, "theta_rad": 0.7,
         "x_px": pixel.x, "y_px": pixel.y, "heading_deg": degrees(pixel.heading),
     }  # fmt: skip
+    assert robot == pytest.approx(expected)
     back = list(read_frames(tmp_path / name))
     assert [np.array_equal(a.image, b.image) for a, b in zip(frames, back, strict=True)] == [
         True

@@ -18,19 +18,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from math import radians
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
 from control.command import RobotId
-from control.unicycle import UnicycleState, WheelSpeeds, twist_from_wheels
-from datasets.render import Renderer
-from datasets.sensor import SensorModel
-from datasets.world import RobotPlant, World
-from pipeline.config import RobotConfig, Scenario
+from control.unicycle import WheelSpeeds, twist_from_wheels
+from pipeline.config import Scenario
+from pipeline.rigs import make_renderer, make_world
 from pipeline.scenario import load_scenario
-from pipeline.setup import make_camera, make_tags, named_colors
 from tests.hardware.miabot_robot import Miabot, Ptys
 from tests.hardware.streams import MjpegServer, Streamer, UdpSender
 
@@ -51,8 +47,8 @@ class Outside:
         """
         self._scenario, self._lock = scenario, threading.Lock()
         self._origin = monotonic()
-        self.world = World(tuple(plant(robot) for robot in scenario.robots), seed)
-        self._renderer = _renderer(scenario, seed)
+        self.world = make_world(scenario, seed)
+        self._renderer = make_renderer(scenario, seed)
         size = (scenario.camera.width_px, scenario.camera.height_px)
         self.streamer: Streamer = (
             MjpegServer() if stream == "mjpeg" else UdpSender(size, scenario.camera.fps, port)
@@ -142,35 +138,6 @@ class Outside:
         with self._lock:
             self.world.advance(t)
             self.world.command(robot_id, twist, t + self._scenario.radio.delay_s)
-
-
-def plant(robot: RobotConfig) -> RobotPlant:
-    """The real robot behind a scenario's entry.
-
-    Args:
-        robot: with a start.
-
-    Returns:
-        Its plant.
-    """
-    assert robot.start is not None
-    s = robot.start
-    start = UnicycleState(s.x_m, s.y_m, radians(s.theta_deg), s.v_mps, s.omega_radps)
-    return RobotPlant(
-        robot.id, start, robot.lag_s, mass_error=robot.mass_error, inertia_error=robot.inertia_error
-    )
-
-
-def _renderer(scenario: Scenario, seed: int) -> Renderer:
-    sensor = scenario.sensor
-    model = SensorModel(
-        read_noise=sensor.read_noise,
-        blur_px=sensor.blur_px,
-        uneven_light=sensor.uneven_light,
-        chroma=sensor.chroma,
-    )
-    colors = named_colors(scenario)
-    return Renderer(make_camera(scenario.camera), make_tags(scenario), colors, model, seed)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,68 @@
+"""The whole ring in real time: a streamed picture, `echelon live`, Miabots on ptys, moving robots.
+
+Two processes that share nothing but a loopback stream and the ptys, for more than 10 s.
+"""
+
+import json
+from math import atan2, cos, degrees, hypot, pi, radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from control.geometry import wrap_angle
+from tests.hardware.ring import ring
+from tests.pipeline.commands import echelon
+
+SECONDS = 10.8
+SLOWER = ("leader.speed_mps=0.35", f"duration_s={SECONDS}")  # so that the path lasts as long
+WANTED = {2: (0.15, 135.0), 3: (0.30, -135.0)}  # after the change of size [m, deg]
+
+
+def relative(robots: list[dict[str, Any]], follower: int) -> tuple[float, float]:
+    """True distance [m] and bearing [rad] of a follower about robot 1, equations (6) and (7)."""
+    by_id = {robot["id"]: robot for robot in robots}
+    i, k = by_id[1], by_id[follower]
+    x = i["x_m"] - k["x_m"] - 0.05 * cos(k["theta_rad"])
+    y = i["y_m"] - k["y_m"] - 0.05 * sin(k["theta_rad"])
+    return hypot(x, y), wrap_angle(pi + atan2(y, x) - i["theta_rad"])
+
+
+@pytest.mark.parametrize(("stream", "latency"), [("mjpeg", 0.0035), ("udp", 0.036)])
+def test_the_formation_drives_through_real_links(
+    stream: str, latency: float, tmp_path: Path
+) -> None:
+    changes = [
+        part for text in (*SLOWER, f"camera.latency_s={latency}") for part in ("--set", text)
+    ]
+    session = tmp_path / "ring.mcap"
+    with ring(tmp_path, stream=stream) as outside:
+        done = echelon(
+            "live", "paper", "--camera", outside.url, "--radio", outside.radio,
+            "--record", session, "--duration", 30, *changes, "--json",
+        )  # fmt: skip
+        truth = outside.finish()
+    assert done.returncode == 0, done.stderr
+    result = json.loads(done.stdout)
+    assert result["duration_s"] > 10.0
+    assert result["frames"] > 0.9 * 30 * SECONDS
+    assert not result["safety_events"]
+    for robot in truth["robots"]:
+        assert robot["timeout_s"] == 0.3  # the robots' own deadman was set
+        assert (robot["errors"], robot["timeouts"], robot["wheels"]) == (0, 0, [0, 0])
+        assert len(robot["stops"]) >= 3
+    moving = [f for f in truth["frames"] if f["robots"][0]["x_m"] > 0.01]
+    end = next(n for n in range(len(moving) - 1, 0, -1) if moved(moving, n)) - 5
+    for follower, (distance, bearing) in WANTED.items():
+        seen = np.array([relative(f["robots"], follower) for f in moving[end - 40 : end]])
+        error = seen[:, 0] - distance, np.unwrap(seen[:, 1]) - radians(bearing)
+        assert 1e3 * np.sqrt(np.mean(error[0] ** 2)) < 12.0  # mm
+        assert degrees(np.sqrt(np.mean(error[1] ** 2))) < 5.0
+    assert echelon("replay", session, "--compare").returncode == 0
+
+
+def moved(frames: list[dict[str, Any]], n: int) -> bool:
+    """Whether robot 1 moved more than 5 mm from the frame before."""
+    (a, b) = (frames[m]["robots"][0] for m in (n - 1, n))
+    return hypot(a["x_m"] - b["x_m"], a["y_m"] - b["y_m"]) > 0.005
