@@ -1,4 +1,4 @@
-"""Planar poses and angles. Frames are named in transforms: ``T_floor_robot`` maps robot to floor."""
+"""Planar poses and angles. Transforms name their frames: ``T_floor_robot`` maps robot to floor."""
 
 from dataclasses import dataclass
 from math import cos, pi, sin

@@ -104,8 +104,10 @@ def run(
         return _turn(setup, rig, period, duration, interrupted)
     finally:
         rig.sink.stop(rig.clock.now())
-        for part in (rig.sink, rig.source, *rig.observers):
-            part.close()
+        rig.sink.close()
+        rig.source.close()
+        for observer in rig.observers:
+            observer.close()
 
 
 def _turn(

@@ -215,11 +215,11 @@ def _place(keys: Sequence[int | str], sources: Mapping[Path, str], overrides: Se
     for text in overrides:
         if words and text.split("=")[0].split(".")[-1] == words[-1]:
             return f"--set {text}: "
-    for path, text in reversed(sources.items()):
+    for path, text in reversed(list(sources.items())):
         line = _line_of(keys, text)
         if line:
             return f"{path}:{line}: "
-    return f"{next(reversed(sources))}: "
+    return f"{list(sources)[-1]}: "
 
 
 def _line_of(keys: Sequence[int | str], text: str) -> int:

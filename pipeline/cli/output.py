@@ -83,7 +83,8 @@ class Output:
             print("  " + "  ".join(cells))  # noqa: T201
 
 
-Tables = Iterator[tuple[str, Sequence[str], list[tuple[str, ...]]]]
+Rows = Sequence[Sequence[str]]
+Tables = Iterator[tuple[str, Sequence[str], Rows]]
 
 
 def _run_tables(result: RunResult) -> Tables:
@@ -101,7 +102,7 @@ def _run_tables(result: RunResult) -> Tables:
     yield "Run", ("what", "value"), _run(result)
 
 
-def _followers(result: RunResult) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+def _followers(result: RunResult) -> tuple[Sequence[str], Rows]:
     header = (
         "robot", "follows", "distance rms mm", "max mm", "bearing rms deg", "max deg",
         "settled at s", "v max m/s", "omega max rad/s",
@@ -118,7 +119,7 @@ def _followers(result: RunResult) -> tuple[Sequence[str], list[tuple[str, ...]]]
     return header, rows
 
 
-def _vision(vision: VisionScore) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+def _vision(vision: VisionScore) -> tuple[Sequence[str], Rows]:
     header = ("recall %", "false ids", "position rms mm", "heading rms deg")
     row = (
         _number(vision.recall, 100.0), str(vision.false_ids),
@@ -127,7 +128,7 @@ def _vision(vision: VisionScore) -> tuple[Sequence[str], list[tuple[str, ...]]]:
     return header, [row]
 
 
-def _latencies(times: Latencies) -> tuple[Sequence[str], list[tuple[str, ...]]]:
+def _latencies(times: Latencies) -> tuple[Sequence[str], Rows]:
     rows = [
         ("vision", times.vision_p50, times.vision_p99),
         ("whole step", times.step_p50, times.step_p99),
@@ -136,7 +137,7 @@ def _latencies(times: Latencies) -> tuple[Sequence[str], list[tuple[str, ...]]]:
     return ("stage", "median ms", "99 % ms"), [(n, f"{a:.2f}", f"{b:.2f}") for n, a, b in rows]
 
 
-def _run(result: RunResult) -> list[tuple[str, ...]]:
+def _run(result: RunResult) -> Rows:
     leader = result.leader.position_rms_m if result.leader else None
     rows = [
         ("leader off its plan, rms mm", _number(leader, 1e3)),
