@@ -11,7 +11,8 @@ from control.geometry import Pose2D, compose, wrap_angle
 from control.unicycle import UnicycleState
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
-from pipeline.setup import Setup, make_setup, named_colors
+from pipeline.seeing import named_colors
+from pipeline.setup import Setup, make_setup
 
 BODY = 0.075  # side of a robot's body [m]
 SAMPLED_LIMIT = 0.005  # longest period at which twisting as published was seen to work [s]

@@ -17,11 +17,11 @@ def interruption() -> Iterator[Callable[[], bool]]:
     """
     came: list[int] = []
 
-    def note(number: int, frame: FrameType | None) -> None:
+    def _note(number: int, frame: FrameType | None) -> None:
         del frame
         came.append(number)
 
-    before = {number: signal.signal(number, note) for number in SIGNALS}
+    before = {number: signal.signal(number, _note) for number in SIGNALS}
     try:
         yield lambda: bool(came)
     finally:

@@ -22,7 +22,7 @@ from pipeline.radios.miabot_text import Drive
 from pipeline.radios.none import NoRadio
 from pipeline.radios.open import open_radio
 from pipeline.radios.simulated import SimulatedRadio
-from pipeline.setup import make_camera, make_tags, named_colors
+from pipeline.seeing import make_camera, make_tags, named_colors
 
 
 class Tee:

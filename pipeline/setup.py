@@ -1,9 +1,6 @@
 """From a scenario to the objects of a run: everything that stays constant while it runs."""
 
-import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib import resources
 from math import radians
 
 import cv2
@@ -21,21 +18,18 @@ from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.config import (
-    CameraConfig,
-    LayoutConfig,
     LeaderConfig,
     PairConfig,
-    RobotConfig,
     Scenario,
     SegmentConfig,
 )
 from pipeline.errors import ConfigError
 from pipeline.guard import SafetyRules
-from vision.camera import CameraModel, overhead_camera
+from pipeline.seeing import make_camera, make_tags, scenario_eye
+from vision.camera import CameraModel
 from vision.errors import VisionError
-from vision.eye import ChromaModel, Eye, Optics, make_eye
-from vision.palette import NamedColor, palette_from_colors
-from vision.tags import Part, Tag, TagSet, polygon_array
+from vision.eye import Eye, make_eye
+from vision.tags import TagSet
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
 SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
@@ -153,67 +147,6 @@ def make_scores(setup: Setup) -> Scores:
     return Scores(setup.formation, offset, setup.path, setup.camera, side)
 
 
-def make_camera(config: CameraConfig) -> CameraModel:
-    """The camera of a scenario.
-
-    Args:
-        config: where it hangs and what it delivers.
-
-    Returns:
-        The calibrated camera.
-    """
-    return overhead_camera(
-        (config.width_px, config.height_px),
-        config.field_width_m,
-        config.center_m,
-        config.mount_height_m,
-        config.tag_height_m,
-        config.distortion,
-    )
-
-
-def make_tags(scenario: Scenario) -> TagSet:
-    """The tags of a scenario's robots.
-
-    Args:
-        scenario: layout, colours and robots.
-
-    Returns:
-        One tag per robot.
-
-    Raises:
-        ConfigError: if a colour is not given or the layout is unknown.
-        VisionError: if tags cannot be told apart.
-    """
-    layout = _layout(scenario)
-    return TagSet(tuple(_tag(robot, layout, scenario.colors) for robot in scenario.robots))
-
-
-def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:
-    """The scenario's colours as the camera sees them under full light.
-
-    Args:
-        scenario: with colours as "#rrggbb".
-
-    Returns:
-        The colours; black, of plates and rims, is always there.
-    """
-    texts = {"black": "#0c0c0c", **scenario.colors}
-    return tuple(
-        NamedColor(name, (int(c[5:7], 16), int(c[3:5], 16), int(c[1:3], 16)))
-        for name, c in texts.items()
-    )
-
-
-def _eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
-    """What `locate` needs: a palette of the tags' colours, the camera's sharpness and noise."""
-    used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
-    palette = palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
-    s = scenario.sensor
-    chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
-    return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
-
-
 def _setup(scenario: Scenario, period: float) -> Setup:
     camera, tags = make_camera(scenario.camera), make_tags(scenario)
     resting = scenario.startup.initial_rates == "rest"
@@ -238,7 +171,7 @@ def _setup(scenario: Scenario, period: float) -> Setup:
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
         any_size=scenario.camera.other_sizes == "scale",
-        eye=_eye(scenario, camera, tags),
+        eye=scenario_eye(scenario, camera, tags),
     )
 
 
@@ -307,28 +240,3 @@ def _segment(config: SegmentConfig) -> PathSegment:
         return PathSegment(config.straight_m)
     radius, turn = config.radius_m or 0.0, radians(config.turn_deg or 0.0)
     return PathSegment(radius * abs(turn), (1.0 if turn > 0 else -1.0) / radius)
-
-
-def _layout(scenario: Scenario) -> LayoutConfig:
-    """The layout of the scenario's own, or a shipped one."""
-    name = scenario.tags.layout
-    if name in scenario.layouts:
-        return scenario.layouts[name]
-    file = resources.files("datasets") / "layouts" / f"{name}.toml"
-    if not file.is_file():
-        raise ConfigError(f'scenario {scenario.name}: no tag layout "{name}"')
-    return LayoutConfig.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
-
-
-def _tag(robot: RobotConfig, layout: LayoutConfig, colors: Mapping[str, str]) -> Tag:
-    """A robot's tag: the layout with the robot's own colours filled in."""
-    parts = []
-    for part in layout.parts:
-        color = robot.colors.get(part.color[1:], "") if part.color[0] == "$" else part.color
-        if color != "black" and color not in colors:
-            raise ConfigError(
-                f'robot {robot.id}: part "{part.name}" has the colour "{color or part.color}", '
-                f"which is not among the scenario's colours: {', '.join(colors)}"
-            )
-        parts.append(Part(part.name, polygon_array(part.polygon_m), color))
-    return Tag(robot.id, tuple(parts))

@@ -26,11 +26,11 @@ def register(app: typer.Typer) -> None:
 def _register_one(app: typer.Typer, name: str, what: str) -> None:
     settings = {"allow_extra_args": True, "ignore_unknown_options": True}
 
-    def not_yet(arguments: Annotated[list[str] | None, typer.Argument()] = None) -> None:
+    def _not_yet(arguments: Annotated[list[str] | None, typer.Argument()] = None) -> None:
         del arguments
         raise ConfigError(f"{name}: not in this version ({what})")
 
     text = f"Not in this version: {what}."
     app.command(name, help=text, short_help="Not in this version.", context_settings=settings)(
-        not_yet
+        _not_yet
     )

@@ -1,7 +1,7 @@
 """What `echelon live` does: connect, observe, run, tell."""
 
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -130,21 +130,22 @@ def observers(
     Yields:
         The observers.
     """
-    made: list[Observer] = []
-    try:
+    with ExitStack() as stack:
+        made: list[Observer] = []
+
+        def _keep(observer: Observer) -> None:
+            stack.callback(observer.close)
+            made.append(observer)
+
         if outputs.session is not None:
             outputs.session.parent.mkdir(parents=True, exist_ok=True)
-            made.append(SessionWriter(outputs.session, header_of(scenario, seed), lossless))
+            _keep(SessionWriter(outputs.session, header_of(scenario, seed), lossless))
         if outputs.view != "none":
-            made.append(_viewer(outputs.view, setup, lossless))
+            _keep(_viewer(outputs.view, setup, lossless))
         if outputs.trajectory is not None:
-            made.append(TrajectoryFile(outputs.trajectory, setup))
-        made.append(Progress(duration or scenario.duration_s))
+            _keep(TrajectoryFile(outputs.trajectory, setup))
+        _keep(Progress(duration or scenario.duration_s))
         yield made
-    finally:
-        for observer in made:
-            with closing(observer):
-                pass
 
 
 def header_of(scenario: Scenario, seed: int | None) -> SessionHeader:
