@@ -35,5 +35,8 @@ bench: install
 	@mkdir -p $(BUILD)
 	$(BIN)/python -m benchmarks
 
+picture: install
+	$(BIN)/python docs/picture.py
+
 clean:
 	rm -rf $(VENV) $(BUILD) *.egg-info

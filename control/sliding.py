@@ -4,7 +4,7 @@ It needs the relative configuration (l, psi, theta_ik) and the follower's own ve
 velocity of the leader. Channel 0 is the distance, channel 1 the bearing.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.errors import ControlError
@@ -202,7 +202,7 @@ def _integrate(
     c = c1 + step * (d1 + d[0]), c2 + step * (d2 + d[1])
     (k1, k2), (l1, l2) = gains.proportional, gains.integral
     s = error[0] + k1 * d[0] + l1 * c[0], error[1] + k2 * d[1] + l2 * c[1]
-    return replace(memory, error=error, integral=d, double_integral=c, sliding=s, fresh=False)
+    return FollowerMemory(error, d, c, s, memory.applied, memory.acceleration, fresh=False)
 
 
 def _twist(memory: FollowerMemory, s: Vector2, dt: float, gains: SlidingGains) -> Vector2:
@@ -232,7 +232,11 @@ def _act(
     wanted = u1 + o1, u2 + o2
     command, given = model.actuation.command(sample.own, wanted, dt, sample.gain)
     g1, g2 = apply(input_matrix(relative, d), (given[0] - o1, given[1] - o2))
-    return replace(memory, applied=(w1 - g1, w2 - g2), acceleration=given), command
+    m, applied = memory, (w1 - g1, w2 - g2)
+    moved = FollowerMemory(
+        m.error, m.integral, m.double_integral, m.sliding, applied, given, m.fresh
+    )
+    return moved, command
 
 
 def _feed_forward(

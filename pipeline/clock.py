@@ -4,19 +4,26 @@ import time
 
 
 class MonotonicClock:
-    """Real time: the machine's monotonic clock, zero when created."""
+    """Real time: the machine's monotonic clock, zero when it is first read."""
 
     def __init__(self) -> None:
-        """Start at zero."""
-        self._origin = time.monotonic()
+        """Wait for the first reading: a run's time begins with the run, not with its opening."""
+        self._started: float | None = None
+
+    @property
+    def _origin(self) -> float:
+        if self._started is None:
+            self._started = time.monotonic()
+        return self._started
 
     def now(self) -> float:
         """Present time.
 
         Returns:
-            Seconds since creation [s].
+            Seconds since the first reading [s].
         """
-        return time.monotonic() - self._origin
+        origin = self._origin  # before the reading: the first one is exactly 0
+        return max(0.0, time.monotonic() - origin)
 
     def wait_until(self, t: float) -> float:
         """Sleep until a moment.

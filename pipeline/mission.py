@@ -45,8 +45,9 @@ def advance(
         held = mission.held + dt
         phase = "holding" if held < setup.rules.give_up else "stopped"
         return replace(mission, phase=phase, t_start=mission.t_start + dt, held=held)
-    over = tick.t - mission.t_start >= setup.duration
-    return replace(mission, phase="finished" if over else "running", held=0.0)
+    if tick.t - mission.t_start >= setup.duration:
+        return replace(mission, phase="finished")
+    return mission if mission.phase == "running" else replace(mission, phase="running", held=0.0)
 
 
 def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
@@ -109,6 +110,18 @@ def _rate(times: list[float], values: list[float], lipschitz: float) -> tuple[fl
         memory = differentiate(memory, t, value)
         course.append(memory.rate)
     return course[-1], pstdev(course[-(len(course) // 3 or 1) :])
+
+
+def forget_glimpses(mission: Mission) -> Mission:
+    """Drop what was watched, once the initial rates have been taken from it.
+
+    Args:
+        mission: so far.
+
+    Returns:
+        The mission without glimpses.
+    """
+    return replace(mission, glimpses=()) if mission.glimpses else mission
 
 
 def _before_start(

@@ -5,13 +5,11 @@ capture time and predicts; `guard` watches over safety; `mission` keeps the cour
 the laws. Live runs and replays turn the same crank.
 """
 
-from dataclasses import replace
-
 from control.command import Command
 from datasets.cycle import Cycle, RobotState, Tick
 from pipeline.guard import watch_over
 from pipeline.memory import Laws, Memory
-from pipeline.mission import advance, initial_rates, watch
+from pipeline.mission import advance, forget_glimpses, initial_rates, watch
 from pipeline.setup import Setup
 from pipeline.steering import Aim, commands_of, relate, steer
 from pipeline.tracking import Locate, ahead_of, look, remember
@@ -52,7 +50,7 @@ def step(
         rates, notes = initial_rates(setup, mission)
         laws, twists = steer(setup, memory.laws, Aim(planned, pairs, shares, rates), tracks, dt)
         commands = commands_of(setup, twists, tick.t, t_effective)
-        tracks, mission = remember(tracks, commands), replace(mission, glimpses=())
+        tracks, mission = remember(tracks, commands), forget_glimpses(mission)
     robots = tuple(RobotState(robot, track.ahead) for robot, track in tracks.items())
     cycle = Cycle(
         tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,

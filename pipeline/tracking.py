@@ -1,7 +1,6 @@
 """From a frame to corrected tracks, and from tracks to the moment a command takes effect."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from math import hypot
 
 from control.command import Command, RobotId
@@ -95,7 +94,7 @@ def remember(tracks: Tracks, commands: tuple[Command, ...]) -> dict[RobotId, Tra
     for command in commands:
         track = noted[command.robot_id]
         sent = track.sent.append(command.t_effective, command.twist)
-        noted[command.robot_id] = replace(track, sent=sent)
+        noted[command.robot_id] = Track(track.estimate, track.ahead, track.t_ahead, sent)
     return noted
 
 

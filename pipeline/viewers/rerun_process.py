@@ -32,7 +32,9 @@ def main() -> None:
         print(str(error).replace("\n", " "), file=answers, flush=True)
         return
     print("ready", file=answers, flush=True)
-    drawers = (RerunScene(recording, stage), RerunPlots(recording, stage))
+    # a viewer decodes pictures late, behind the outlines drawn on them; a file is to be small
+    scene = RerunScene(recording, stage, compressed=mode != "rerun")
+    drawers = (scene, RerunPlots(recording, stage))
     count = 0
     while (moment := pickle.load(messages)) is not None:
         recording.set_time("time", duration=moment.tick.t)

@@ -22,20 +22,23 @@ _GREY = (96, 104, 122)
 _RED = (255, 84, 84)
 _ARROW = 0.1  # length of the heading's arrow [m]
 _NAME_ABOVE = 0.16  # from a robot's centre to its name [m]
+_RAW_BYTES = 640 * 480 * 3  # larger pictures are compressed on their way to a viewer
 _JPEG = [cv2.IMWRITE_JPEG_QUALITY, 90]  # for looking only; sessions keep every pixel
 
 
 class RerunScene:
     """Draws camera picture and floor into one recording."""
 
-    def __init__(self, recording: "rerun.RecordingStream", stage: Stage) -> None:
+    def __init__(self, recording: "rerun.RecordingStream", stage: Stage, compressed: bool) -> None:
         """Draw what never changes.
 
         Args:
             recording: where to.
             stage: what is drawn on.
+            compressed: whether pictures are stored as JPEG; large ones always are.
         """
         self._out = recording
+        self._compressed = compressed
         self._stage = stage
         self._before: dict[RobotId, tuple[float, float]] = {}
         self._draw_ground()
@@ -67,9 +70,13 @@ class RerunScene:
     def _draw_picture(self, frame: Frame) -> None:
         import rerun as rr
 
-        data = cv2.imencode(".jpg", frame.image, _JPEG)[1].tobytes()
-        picture = rr.EncodedImage(contents=data, media_type="image/jpeg", draw_order=-20.0)
-        self._out.log("camera/image", picture)
+        if self._compressed or frame.image.size > _RAW_BYTES:
+            data = cv2.imencode(".jpg", frame.image, _JPEG)[1].tobytes()
+            encoded = rr.EncodedImage(contents=data, media_type="image/jpeg", draw_order=-20.0)
+            self._out.log("camera/image", encoded)
+        else:
+            raw = rr.Image(frame.image, color_model="BGR", draw_order=-20.0)
+            self._out.log("camera/image", raw)
 
     def _draw_scene(self, scene: Scene) -> None:
         """Outlines of accepted tags with their names, rings around what was rejected."""
