@@ -133,12 +133,20 @@ def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: Moti
         (7, 7), symmetric.
     """
     way, cross, speed = _white_acceleration(dt, model.lag)
-    unit = _HOLD * np.array([[way, cross], [cross, speed]])
-    along = np.array([_moved(old, new, way=1.0), _moved(old, new, v=1.0)]).T
-    turning = np.array([_moved(old, new, turn=1.0), _moved(old, new, omega=1.0)]).T
+    forward, turning = model.acceleration_std**2, model.angular_acceleration_std**2
+    unit = np.zeros((4, 4))
+    unit[:2, :2] = (forward * way, forward * cross), (forward * cross, forward * speed)
+    unit[2:, 2:] = (turning * way, turning * cross), (turning * cross, turning * speed)
+    moved = np.array(
+        (
+            _moved(old, new, way=1.0),
+            _moved(old, new, v=1.0),
+            _moved(old, new, turn=1.0),
+            _moved(old, new, omega=1.0),
+        )
+    )
     noise = np.zeros((7, 7))
-    noise[:5, :5] = model.acceleration_std**2 * (along @ unit @ along.T)
-    noise[:5, :5] += model.angular_acceleration_std**2 * (turning @ unit @ turning.T)
+    noise[:5, :5] = moved.T @ (_HOLD * unit) @ moved
     driven, turned = _way_and_turn(old, new)
     noise[5, 5], noise[6, 6] = model.gain_drift**2 * abs(driven), model.gain_drift**2 * abs(turned)
     return noise

@@ -3,10 +3,12 @@
 from collections.abc import Callable, Mapping
 from math import hypot
 
+import numpy as np
+from numpy.typing import NDArray
+
 from control.command import Command, RobotId
 from control.estimation import (
     Estimate,
-    Innovation,
     MotionModel,
     correct,
     initial_estimate,
@@ -14,6 +16,7 @@ from control.estimation import (
     predict,
     roll,
 )
+from control.geometry import Pose2D, wrap_angle
 from control.history import SentCommands
 from datasets.cycle import Tick
 from pipeline.memory import Track
@@ -119,7 +122,7 @@ def _corrected(
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
         return Track(estimate, estimate.state, t)
     covariance = seen.covariance + setup.pose_noise
-    if _believable(innovation(expected, seen.pose, covariance)):
+    if _is_believable(expected, seen.pose, covariance):
         estimate = correct(expected, seen.pose, covariance)
     elif t - track.estimate.t > setup.rules.stop_after:
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
@@ -128,8 +131,10 @@ def _corrected(
     return Track(estimate, estimate.state, t, track.sent)
 
 
-def _believable(found: Innovation) -> bool:
+def _is_believable(expected: Estimate, pose: Pose2D, covariance: NDArray[np.float64]) -> bool:
     """Whether a pose can be the robot's: near the expected one, or no surprise to the filter."""
-    dx, dy, turn = found.residual.tolist()
-    near = hypot(dx, dy) <= NEAR and abs(turn) <= NEAR_TURN
-    return near or found.squared_distance <= GATE
+    state = expected.state
+    away, turn = hypot(pose.x - state.x, pose.y - state.y), wrap_angle(pose.theta - state.theta)
+    if away <= NEAR and abs(turn) <= NEAR_TURN:
+        return True
+    return innovation(expected, pose, covariance).squared_distance <= GATE
