@@ -47,7 +47,7 @@ for command in (live, replay, render, locate, report, check):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 later.register(app)
 
-USAGE, DEVICE, INTERRUPTED = 2, 3, 130
+USAGE, DEVICE = 2, 3
 
 
 def main() -> None:
@@ -62,5 +62,3 @@ def main() -> None:
         line = " ".join(str(error).split())
         print(f"echelon: {line}", file=sys.stderr)  # noqa: T201 (the one line a user reads)
         sys.exit(DEVICE if isinstance(error, CameraError | RadioError) else USAGE)
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)

@@ -5,11 +5,12 @@ from time import perf_counter
 
 import typer
 
-from datasets.recorded import Footage, read_frames, read_session
+from datasets.recorded import Footage, Session, read_frames, read_session
 from pipeline.cameras.footage import FootageCamera
 from pipeline.cli.output import Output
 from pipeline.cli.running import INTERRUPTED, Outputs, finish, observers
 from pipeline.clock import VirtualClock
+from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
 from pipeline.live import Rig, run
@@ -45,33 +46,42 @@ def replay_session(
         Exit: with status 5 if the commands differ, 130 after Ctrl-C.
     """
     session = read_session(source)
-    if (scenario or overrides) and compare:
-        raise ConfigError("--compare needs the session's own scenario, without --set")
-    if overrides and scenario is None:
-        raise ConfigError("--set needs a SCENARIO: the session's own is replayed as it was")
-    own = parse_scenario(session.header.scenario)
-    used = load_scenario(scenario, overrides) if scenario else own
+    used = _scenario(session, scenario, overrides, compare)
     setup = make_setup(used)
-    scores = make_scores(setup)
-    seed = session.header.seed
+    scores, seed = make_scores(setup), session.header.seed
     with interruption() as interrupted, observers(setup, used, seed, True, None, outputs) as others:
         start = perf_counter()
         differences = replay(setup, session, (scores, *others), interrupted)
-        wall = perf_counter() - start
-        stopped = interrupted()
+        wall, stopped = perf_counter() - start, interrupted()
     verdict = {"commands_equal": not differences, "cycles_different": len(differences)}
-    output.result(scores.result(setup.name, wall), verdict if scenario is None else {})
+    output.result(scores.result(setup.name, wall), {} if scenario else verdict)
     finish(outputs, output)
-    if not session.end.complete:
-        output.say(f"{source}: the recording was cut off; all that was written was replayed")
-    if session.end.dropped:
-        output.say(f"{source}: the recorder had dropped {session.end.dropped} cycles")
-    if scenario is None:
+    _tell_end(session, output)
+    if not scenario:
         output.say(_verdict(differences))
     if stopped:
         raise typer.Exit(INTERRUPTED)
     if compare and differences:
         raise typer.Exit(DIFFERENT)
+
+
+def _scenario(
+    session: Session, name: str | None, overrides: tuple[str, ...], compare: bool
+) -> Scenario:
+    """The session's own scenario, or another one to ask what would have been."""
+    if (name or overrides) and compare:
+        raise ConfigError("--compare needs the session's own scenario, without --set")
+    if overrides and not name:
+        raise ConfigError("--set needs a SCENARIO: the session's own is replayed as it was")
+    return load_scenario(name, overrides) if name else parse_scenario(session.header.scenario)
+
+
+def _tell_end(session: Session, output: Output) -> None:
+    """Say what the recorder did not keep."""
+    if not session.end.complete:
+        output.say(f"{session.path}: the recording was cut off; all that was written was replayed")
+    if session.end.dropped:
+        output.say(f"{session.path}: the recorder had dropped {session.end.dropped} cycles")
 
 
 def replay_footage(

@@ -1,5 +1,7 @@
 """What `echelon live` does: connect, observe, run, tell."""
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -173,7 +175,8 @@ def finish(outputs: Outputs, output: Output) -> None:
     if outputs.trajectory is not None:
         output.say(f"trajectory: {outputs.trajectory}")
     if outputs.view.endswith(".rrd"):
-        output.say(f"view: {outputs.view} (look at it with: rerun {outputs.view})")
+        viewer = os.path.relpath(Path(sys.executable).with_name("rerun"))
+        output.say(f"view: {outputs.view} (look at it with: {viewer} {outputs.view})")
     if outputs.report is not None and outputs.session is not None:
         from pipeline.cli.reporting import write_report
 

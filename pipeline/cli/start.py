@@ -6,6 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 HOME = Path(__file__).resolve().parents[2]
+INTERRUPTED = 130
 PACKAGES = ("control", "vision", "datasets", "pipeline")
 
 
@@ -16,9 +17,12 @@ def main() -> None:
         print(f"echelon: {foreign}", file=sys.stderr)  # noqa: T201 (the one line a user reads)
         sys.exit(2)
     os.environ.setdefault("OPENCV_LOG_LEVEL", "OFF")  # our errors say it in one line
-    from pipeline.cli.main import main as run
+    try:
+        from pipeline.cli.main import main as run
 
-    run()
+        run()
+    except KeyboardInterrupt:
+        sys.exit(INTERRUPTED)
 
 
 def foreign_packages() -> str:

@@ -174,6 +174,11 @@ class _Miabot:
         )
 
     def report(self) -> MiabotReport:
+        """Say how the link is doing.
+
+        Returns:
+            State, counts and encoders.
+        """
         sender = self.sender
         error = None if sender.error is None else str(sender.error)
         garbage, encoders = self._parser.garbage, self._encoders
