@@ -1,5 +1,6 @@
 """How well the robots were seen, against the truth at the moments of capture."""
 
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,6 +32,33 @@ class VisionScore:
     false_ids: int
     position_rms_m: float | None
     heading_rms_rad: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Sighted:
+    """How often a robot was seen.
+
+    Attributes:
+        robot_id: the robot.
+        frames: number of frames it was recognised in.
+    """
+
+    robot_id: RobotId
+    frames: int
+
+
+def sighted(scenes: tuple[Scene, ...], ids: tuple[RobotId, ...]) -> tuple[Sighted, ...]:
+    """Count the frames in which each robot was recognised.
+
+    Args:
+        scenes: one per frame.
+        ids: robots to count.
+
+    Returns:
+        One count per robot, in the given order.
+    """
+    counts = Counter(d.robot_id for scene in scenes for d in scene.detections)
+    return tuple(Sighted(robot, counts[robot]) for robot in ids)
 
 
 def vision_score(

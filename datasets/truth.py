@@ -19,7 +19,7 @@ from datasets.scores import (
     leader_score,
     least_clearance,
 )
-from datasets.sightings import VisionScore, vision_score
+from datasets.sightings import Sighted, VisionScore, sighted, vision_score
 from datasets.track import TruthTrack
 from vision.camera import CameraModel
 from vision.scene import Scene
@@ -63,6 +63,7 @@ class RunResult:
         followers: leaders before their followers.
         leader: None without a mission.
         min_clearance_m: least distance between two bodies, None if unknown [m].
+        seen: in how many frames each robot was recognised.
         vision: None without truth or frames.
         latency_ms: None without frames.
         commands_sent: number of commands.
@@ -78,6 +79,7 @@ class RunResult:
     followers: tuple[FollowerScore, ...]
     leader: LeaderScore | None
     min_clearance_m: float | None
+    seen: tuple[Sighted, ...]
     vision: VisionScore | None
     latency_ms: Latencies | None
     commands_sent: int
@@ -92,6 +94,7 @@ class RunResult:
         """
         table = asdict(self)
         table["followers"] = {str(f.pop("follower")): f for f in table["followers"]}
+        table["seen"] = {str(s.robot_id): s.frames for s in self.seen}
         table["safety_events"] = list(table["safety_events"])
         table["notes"] = list(table["notes"])
         return table
@@ -171,6 +174,7 @@ class Scores:
             followers=self._followers(motions),
             leader=leader_score(motions, self._formation.root, self._path) if started else None,
             min_clearance_m=least_clearance(motions, self._side),
+            seen=sighted(tuple(self._scenes), self._formation.robots),
             vision=self._vision(motions) if known else None,
             latency_ms=_latencies(self._latencies),
             commands_sent=self._commands,

@@ -144,6 +144,7 @@ def _run(result: RunResult) -> Rows:
         ("least clearance between bodies mm", _number(result.min_clearance_m, 1e3)),
         ("safety events", str(len(result.safety_events))),
     ]
+    rows += [(f"frames that show robot {s.robot_id}", str(s.frames)) for s in result.seen]
     rows += [(f"  {e.t:.2f} s {e.kind}", _event(e)) for e in result.safety_events[:20]]
     return rows + [("note", note) for note in result.notes]
 

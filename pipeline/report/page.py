@@ -100,7 +100,8 @@ def page(summary: Summary, chapters: Sequence[Chapter]) -> str:
 def _lead(summary: Summary) -> str:
     result, end = summary.result, summary.end
     known = "true states known" if result.truth else "no truth: errors are of the estimates"
-    text = f"{result.duration_s:.2f} s, {result.frames} frames, seed {summary.header.seed}, {known}"
+    seed = "" if summary.header.seed is None else f"seed {summary.header.seed}, "
+    text = f"{result.duration_s:.2f} s, {result.frames} frames, {seed}{known}"
     warnings = []
     if not end.complete:
         warnings.append("The recording was cut off before its end; all that was kept is shown.")

@@ -128,6 +128,7 @@ def test_json_has_the_keys_of_the_contract() -> None:
     assert set(table) == {
         "scenario", "frames", "duration_s", "wall_s", "truth", "followers", "leader",
         "min_clearance_m", "vision", "latency_ms", "commands_sent", "safety_events", "notes",
+        "seen",
     }  # fmt: skip
     assert set(table["followers"]["2"]) == {
         "leader", "distance_rms_m", "distance_max_m", "bearing_rms_rad", "bearing_max_rad",

@@ -58,6 +58,7 @@ def test_live_answers_with_one_json_object(tmp_path: Path) -> None:
     assert result.keys() >= KEYS
     assert set(result["followers"]) == {"2", "3"}
     assert result["followers"]["2"]["leader"] == 1
+    assert result["seen"] == dict.fromkeys("123", result["frames"])
     lines = csv.read_text().splitlines()
     assert lines[0].startswith("t_s,true1_x_m,true1_y_m,true1_theta_rad")
     assert len(lines) == 101
