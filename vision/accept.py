@@ -52,7 +52,7 @@ def judge(fit: Fit, candidates: Candidates, eye: Eye, possible: NDArray[np.bool_
     screen, overhang = _on_screen(fit.poses, candidates.shapes, eye)
     limits = eye.thresholds
     best = scores.max(axis=1)
-    radius = eye.tags.outer_radius
+    radius = eye.radius
     good = (overhang <= _BORDER_PX) & (moved < radius) & (fit.residual_px < limits.residual_px)
     good &= best >= limits.confidence
     reasons = [""] * len(good)
@@ -135,7 +135,7 @@ def _on_screen(poses: Floats, shapes: NDArray[np.intp], eye: Eye) -> tuple[Float
         ahead = pixels[:, 1] - pixels[:, 2]
         screen[rows, 2] = np.arctan2(-ahead[:, 1], ahead[:, 0])
         beyond = np.maximum(-0.5 - pixels, pixels - (w - 0.5, h - 0.5)).max(axis=(1, 2))
-        overhang[rows] = np.nan_to_num(beyond, nan=np.inf)
+        overhang[rows] = np.where(beyond == beyond, beyond, np.inf)  # NaN: behind the camera
     return screen, overhang
 
 

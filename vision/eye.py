@@ -57,6 +57,7 @@ class Eye:
         palette: colour classes.
         optics: sharpness and noise.
         thresholds: of acceptance.
+        radius: of the largest tag, see `TagSet.outer_radius` [m].
         shapes: geometries of the tags.
         shape_of: shape (T,), index of every tag's geometry.
         templates: blurred coverages.
@@ -73,6 +74,7 @@ class Eye:
     palette: Palette
     optics: Optics
     thresholds: Thresholds
+    radius: float
     shapes: tuple[Shape, ...]
     shape_of: NDArray[np.intp]
     templates: Templates
@@ -121,7 +123,7 @@ def make_eye(
     smallest = min(float(s.areas[s.part_classes.any(axis=0)].min()) for s in shapes)
     least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
     return Eye(
-        camera, tags, palette, optics, thresholds, shapes, shape_of, templates,
+        camera, tags, palette, optics, thresholds, tags.outer_radius, shapes, shape_of, templates,
         sample_map(floor, optics.chroma, templates.chroma_row), scale_levels(floor, scales),
         window, _used_blocks(window), least_px,
     )  # fmt: skip

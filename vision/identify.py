@@ -149,7 +149,7 @@ def _distinct(candidates: Candidates, eye: Eye) -> Candidates:
         return candidates
     looked = candidates.take(np.arange(min(len(candidates), 4 * eye.thresholds.max_candidates)))
     away = looked.poses[:, None] - looked.poses
-    near = np.hypot(away[..., 0], away[..., 1]) < _SAME_PLACE * eye.tags.outer_radius
+    near = np.hypot(away[..., 0], away[..., 1]) < _SAME_PLACE * eye.radius
     same = near & (np.cos(away[..., 2]) > np.cos(_SAME_HEADING))
     same &= looked.shapes[:, None] == looked.shapes
     kept: list[int] = []
@@ -167,7 +167,7 @@ def _lonely(blobs: Blobs, floor: Floats, eye: Eye, found: Candidates) -> tuple[R
     scale = float(eye.templates.scales[-1])
     away = floor[:, None] - found.poses[:, :2]
     near = np.hypot(away[..., 0], away[..., 1]).min(axis=1, initial=np.inf)
-    alone = np.flatnonzero(~(near < eye.tags.outer_radius))
+    alone = np.flatnonzero(~(near < eye.radius))
     reasons = []
     for index in alone[:_MAX_REASONS]:
         label, area = int(blobs.classes[index]), float(blobs.areas[index])
@@ -198,7 +198,7 @@ def _weak(weak: Candidates, kept: Candidates, eye: Eye) -> tuple[Rejection, ...]
         return ()
     reasons: list[Rejection] = []
     told = kept.poses
-    radius = eye.tags.outer_radius
+    radius = eye.radius
     for index in range(len(weak)):
         pose = weak.poses[index]
         if (np.hypot(*(told[:, :2] - pose[:2]).T) < radius).any():

@@ -131,5 +131,5 @@ def _unexplained(blobs: Blobs, taken: Floats, eye: Eye) -> Blobs:
         return blobs
     floor = eye.camera.to_floor(blobs.centers, eye.camera.tag_height)
     away = np.hypot(*(floor[:, None] - taken).transpose(2, 0, 1)).min(axis=1)
-    free = np.flatnonzero(~(away < 0.6 * eye.tags.outer_radius))
+    free = np.flatnonzero(~(away < 0.6 * eye.radius))
     return Blobs(blobs.classes[free], blobs.centers[free], blobs.areas[free], blobs.dropped)
