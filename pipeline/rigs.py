@@ -26,7 +26,12 @@ from pipeline.seeing import make_camera, make_tags, named_colors
 
 
 class Tee:
-    """Two radios that get the same commands: robots that are seen, and robots that turn."""
+    """Two radios that get the same commands: robots that are seen, and robots that turn.
+
+    Attributes:
+        parts: the two radios.
+        min_period: of the slower one [s].
+    """
 
     def __init__(self, first: CommandSink, second: CommandSink) -> None:
         """Join two radios.
@@ -35,7 +40,7 @@ class Tee:
             first: for example the simulated one.
             second: for example a real one.
         """
-        self._sinks = first, second
+        self.parts = first, second
         self.min_period = max(first.min_period, second.min_period)
 
     def send(self, commands: tuple[Command, ...], now: float) -> tuple[RobotId, ...]:
@@ -48,7 +53,7 @@ class Tee:
         Returns:
             Robots whose link is down on either.
         """
-        lost = [sink.send(commands, now) for sink in self._sinks]
+        lost = [sink.send(commands, now) for sink in self.parts]
         return tuple(dict.fromkeys((*lost[0], *lost[1])))
 
     def stop(self, now: float) -> None:
@@ -57,12 +62,12 @@ class Tee:
         Args:
             now: the moment of the call [s].
         """
-        for sink in self._sinks:
+        for sink in self.parts:
             sink.stop(now)
 
     def close(self) -> None:
         """Release both."""
-        for sink in self._sinks:
+        for sink in self.parts:
             sink.close()
 
 

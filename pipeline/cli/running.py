@@ -11,6 +11,7 @@ from time import perf_counter
 import typer
 
 from datasets.recorded import SessionHeader, SessionWriter, software_versions
+from pipeline.accounts import account
 from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
@@ -101,6 +102,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
             why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start
     output.result(scores.result(setup.name, wall))
+    for line in account(rig):
+        output.say(line)
     finish(outputs, output)
     if why == "interrupted":
         output.say("interrupted: stop was sent to every robot three times")

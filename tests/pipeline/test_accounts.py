@@ -1,0 +1,38 @@
+"""What was lost is told: by name, with its number, and only where something was lost."""
+
+from dataclasses import replace
+
+from control.command import Command
+from control.unicycle import Twist
+from pipeline.accounts import account
+from pipeline.rigs import Tee, connect
+from pipeline.scenario import load_scenario
+from tests.pipeline.runs import Keeper
+
+PAPER = load_scenario("paper")
+
+
+class Behind(Keeper):
+    """An observer that could not keep up."""
+
+    dropped = 7
+
+
+def test_nothing_lost_nothing_said() -> None:
+    rig = connect(PAPER, "rendered", None, 0, True)
+    rig.source.latest(0.1)
+    assert account(replace(rig, observers=(Keeper(),))) == (
+        "camera: 1 frames were passed over for newer ones",
+    )
+    assert account(connect(PAPER, "rendered", None, 0, True)) == ()
+
+
+def test_every_loss_is_named() -> None:
+    rig = connect(PAPER, "rendered", None, 0, True)
+    stale = Command(1, Twist(0.1, 0.0), 0.0, -1.0)
+    wild = Command(2, Twist(float("nan"), 0.0), 0.0, 9.0)
+    both = replace(rig, sink=Tee(rig.sink, connect(PAPER, "rendered", "none", 0, True).sink))
+    both.sink.send((stale, wild), 0.0)
+    lines = account(replace(both, observers=(Behind(),)))
+    assert lines[0] == "radio: 1 stale and 1 non-finite commands were not sent"
+    assert lines[-1] == "Behind: 7 cycles were dropped because it was behind"
