@@ -177,5 +177,6 @@ def _check_path(path: str) -> None:
     if not os.path.exists(path):
         others = ", ".join(sorted(glob.glob("/dev/video*"))) or "no camera at all"
         raise CameraError(f"camera {path}: does not exist; there is {others}")
-    if not os.access(path, os.R_OK | os.W_OK):
+    effective = os.access in os.supports_effective_ids
+    if not os.access(path, os.R_OK | os.W_OK, effective_ids=effective):
         raise CameraError(f"camera {path}: permission denied (is the user in the group 'video'?)")

@@ -1,12 +1,17 @@
 """Devices: what is missing or wrong is said in one line, and OpenCV says nothing beside it."""
 
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from tempfile import TemporaryDirectory
 
 import pytest
 
 from pipeline.cameras.device import CaptureFormat, format_refused, open_device, stamp_age
 from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError
+
+NOBODY = 65534  # a user id without rights
 
 
 @pytest.mark.parametrize(
@@ -27,12 +32,25 @@ def test_no_camera_is_one_clear_line(
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may open everything")
-def test_a_forbidden_camera_names_the_group(tmp_path: os.PathLike[str]) -> None:
-    path = os.path.join(tmp_path, "video0")
-    os.mknod(path, 0)
-    with pytest.raises(CameraError, match="permission denied"):
-        open_device(path, MonotonicClock())
+@contextmanager
+def as_nobody() -> Iterator[None]:
+    """Be a user without rights for a while; root may open everything."""
+    user = os.geteuid()
+    if user == 0:
+        os.seteuid(NOBODY)
+    try:
+        yield
+    finally:
+        os.seteuid(user)
+
+
+def test_a_forbidden_camera_names_the_group() -> None:
+    with TemporaryDirectory() as folder:  # not pytest's own, which nobody else may enter
+        os.chmod(folder, 0o755)
+        path = os.path.join(folder, "video0")
+        os.mknod(path, 0)
+        with as_nobody(), pytest.raises(CameraError, match="permission denied"):
+            open_device(path, MonotonicClock())
 
 
 def test_a_drivers_stamp_counts_only_if_it_is_of_this_clock() -> None:
