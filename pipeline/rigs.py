@@ -147,7 +147,9 @@ def _rendered(scenario: Scenario, radio: str, seed: int, fast: bool) -> Rig:
     world = make_world(scenario, seed)
     clock: Clock = VirtualClock() if fast else MonotonicClock()
     sink: CommandSink = _simulated_radio(scenario, world, seed)
-    if radio != "simulated":
+    if radio == "none":
+        sink = NoRadio()
+    elif radio != "simulated":
         sink = Tee(sink, _real_radio(scenario, radio, clock))
     camera = RenderedCamera(
         world, make_renderer(scenario, seed), scenario.camera.fps, scenario.camera.latency_s

@@ -5,6 +5,7 @@ from dataclasses import replace
 from control.command import Command
 from control.unicycle import Twist
 from pipeline.accounts import account
+from pipeline.radios.none import NoRadio
 from pipeline.rigs import Tee, connect
 from pipeline.scenario import load_scenario
 from tests.pipeline.runs import Keeper
@@ -31,7 +32,7 @@ def test_every_loss_is_named() -> None:
     rig = connect(PAPER, "rendered", None, 0, True)
     stale = Command(1, Twist(0.1, 0.0), 0.0, -1.0)
     wild = Command(2, Twist(float("nan"), 0.0), 0.0, 9.0)
-    both = replace(rig, sink=Tee(rig.sink, connect(PAPER, "rendered", "none", 0, True).sink))
+    both = replace(rig, sink=Tee(rig.sink, NoRadio()))
     both.sink.send((stale, wild), 0.0)
     lines = account(replace(both, observers=(Behind(),)))
     assert lines[0] == "radio: 1 stale and 1 non-finite commands were not sent"

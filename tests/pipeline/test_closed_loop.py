@@ -4,10 +4,12 @@ Bounds are the project's targets (mm, deg), not what a run happens to give.
 """
 
 from math import degrees
+from pathlib import Path
 
 import pytest
 
 from datasets.truth import RunResult
+from pipeline.scenario import scenario_path
 from tests.pipeline.runs import run_scenario
 
 
@@ -83,3 +85,31 @@ def test_same_seed_same_commands_bit_for_bit() -> None:
     assert [m.cycle.commands for m in one] == [m.cycle.commands for m in other]
     different = run_scenario("paper", 6, duration=1.0)[2]
     assert [m.cycle.commands for m in one] != [m.cycle.commands for m in different]
+
+
+ARROW = """
+include = ["{paper}"]
+name = "arrow"
+colors = {{ white = "#f0f0f0" }}
+[tags]
+layout = "arrow"
+[layouts.arrow]
+side_m = 0.08
+parts = [
+  {{ name = "plate", color = "black", polygon_m = [[0.04, 0.04], [-0.04, 0.04], [-0.04, -0.04], [0.04, -0.04]] }},
+  {{ name = "tip", color = "white", polygon_m = [[0.035, 0.0], [0.005, 0.03], [0.005, -0.03]] }},
+  {{ name = "tail", color = "$tail", polygon_m = [[-0.005, 0.03], [-0.035, 0.03], [-0.035, -0.03], [-0.005, -0.03]] }},
+]
+"""  # noqa: E501 (as in docs/scenarios.md)
+ROBOT = '[[robots]]\nid = {0}\ncolors = {{ tail = "{1}" }}\nstart = {{ x_m = {2}, y_m = 0.0 }}\n'
+
+
+def test_a_layout_of_the_users_own_needs_no_code(tmp_path: Path) -> None:
+    robots = ((1, "red", 0.0), (2, "green", -0.4), (3, "blue", -0.3))
+    text = ARROW.format(paper=scenario_path("paper")) + "".join(ROBOT.format(*r) for r in robots)
+    (tmp_path / "arrow.toml").write_text(text)
+    _, result, _ = run_scenario(str(tmp_path / "arrow.toml"), duration=1.0)
+    assert result.vision is not None
+    assert (result.vision.recall, result.vision.false_ids) == (1.0, 0)
+    assert result.vision.position_rms_m is not None
+    assert 1e3 * result.vision.position_rms_m < 0.8

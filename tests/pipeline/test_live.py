@@ -109,3 +109,10 @@ def test_when_a_command_cannot_be_computed(setup: Setup) -> None:
         run(broken, replace(rig, observers=(keeper,)), 0.01)
     assert radio.told == ["stop", "close"]
     assert keeper.closed
+
+
+def test_without_a_radio_simulated_robots_stand(setup: Setup) -> None:
+    rig, keeper = connect(load_scenario("paper"), "rendered", "none", 0, True), Keeper()
+    run(setup, replace(rig, observers=(keeper,)), 0.01, 1.0)
+    assert any(moment.cycle.commands for moment in keeper.moments)
+    assert all(robot.state.v == 0.0 for moment in keeper.moments for robot in moment.truth)
