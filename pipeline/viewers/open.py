@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from pipeline.errors import ConfigError
 from pipeline.ports import Observer
 from pipeline.setup import Setup
 from pipeline.viewers.rerun import RerunViewer
@@ -41,7 +42,9 @@ def open_viewer(view: str, setup: Setup, wait: bool = False) -> Observer:
         The viewer.
 
     Raises:
-        ConfigError: if it cannot be opened.
+        ConfigError: if it cannot be opened, or the name is no .rrd file's.
         RecordingError: if the file cannot be written.
     """
+    if view != "rerun" and not view.endswith(".rrd"):
+        raise ConfigError(f"--view {view}: need none, rerun or FILE.rrd")
     return RerunViewer(view, stage_of(setup), wait)

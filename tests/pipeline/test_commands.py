@@ -34,6 +34,7 @@ KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "mi
         (("live", "--radio", "miabot:1=/dev/nosuch"), 2, "robot 2 of the scenario has no port"),
         (("live", "--radio", "firasim:127.0.0.1:20011"), 2, "not yet supported"),
         (("live", "--radio", "tin-can"), 2, "tin-can"),
+        (("live", "--view", "view.txt"), 2, "need none, rerun or FILE.rrd"),
         (("replay", "none.mp4"), 2, "none.mp4"),
         (("report", "none.mcap", "--out", "x"), 2, "none.mcap"),
         (("locate", "none.png"), 2, "none.png"),
