@@ -49,6 +49,13 @@ class Rig:
     truth: Truth = nobody_knows
     observers: Sequence[Observer] = field(default_factory=tuple)
 
+    def close(self) -> None:
+        """Release everything; the radio first, which sends stop. Safe to call twice."""
+        self.sink.close()
+        self.source.close()
+        for observer in self.observers:
+            observer.close()
+
 
 class Stopwatch:
     """`locate` with the time it took."""
@@ -104,10 +111,7 @@ def run(
         return _turn(setup, rig, period, duration, interrupted)
     finally:
         rig.sink.stop(rig.clock.now())
-        rig.sink.close()
-        rig.source.close()
-        for observer in rig.observers:
-            observer.close()
+        rig.close()
 
 
 def _turn(

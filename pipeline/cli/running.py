@@ -3,7 +3,7 @@
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -90,8 +90,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         Exit: with status 4 after a safety stop, 130 after Ctrl-C.
     """
     scenario = _scenario(request)
-    with interruption() as interrupted:
-        rig = connect(scenario, request.camera, request.radio, request.seed, request.fast)
+    spec = (request.camera, request.radio, request.seed, request.fast)
+    with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
         scenario = _paced(scenario, rig.sink.min_period, output)
         setup = make_setup(scenario)
         scores = make_scores(setup)
