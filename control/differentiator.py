@@ -5,12 +5,14 @@ For h'(0) when robots already move at the start (Assumption 5, Remark 5 case 2).
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, prod, sqrt
+from math import inf, isfinite, prod
+from statistics import pstdev
 
 from control.errors import ControlError
 from control.geometry import wrap_angle
 
 _MAX_NEWTON = 60  # quadratic from above: a dozen steps suffice
+_FIRST = 5  # samples over which an initial rate takes its first slope
 
 # lambda~ of orders 1 to 5, index 0 to n: the non-recursive form of 1.1, 1.5, 2, 3, 5, 8
 _LAMBDA: tuple[tuple[float, ...], ...] = (
@@ -55,15 +57,16 @@ class Differentiator:
 
 
 def begin_differentiator(
-    t: float, value: float, lipschitz: float, order: int = 2
+    t: float, value: float, lipschitz: float, order: int = 2, rate: float = 0.0
 ) -> Differentiator:
-    """Memory at the first sample: all derivatives 0.
+    """Memory at the first sample: higher derivatives 0.
 
     Args:
         t: time of the sample [s].
         value: the signal.
         lipschitz: bound of the derivative of order + 1, > 0 [unit per s^(order + 1)].
         order: derivatives to estimate, 1 to 5.
+        rate: what the first derivative is thought to be [unit per s].
 
     Returns:
         The memory.
@@ -73,9 +76,9 @@ def begin_differentiator(
     """
     if not (1 <= order <= len(_LAMBDA) and 0.0 < lipschitz < inf):
         raise ControlError(f"differentiator: order {order} not in 1..5 or bound {lipschitz} <= 0")
-    if not (isfinite(t) and isfinite(value)):
+    if not (isfinite(t) and isfinite(value) and isfinite(rate)):
         raise ControlError(f"differentiator: sample {value} at {t} s is not finite")
-    return Differentiator((t,), (value,) + (0.0,) * order, lipschitz)
+    return Differentiator((t,), (value, rate) + (0.0,) * (order - 1), lipschitz)
 
 
 def differentiate(memory: Differentiator, t: float, value: float) -> Differentiator:
@@ -151,36 +154,41 @@ class InitialRate:
     """A rate and how well it is known.
 
     Attributes:
-        rate: slope of the line through the samples [unit per s].
-        spread: its standard error; infinite with fewer than 3 samples [unit per s].
+        rate: of the signal at the last sample [unit per s].
+        spread: standard deviation of the estimate over the last third of the samples [unit per s].
     """
 
     rate: float
     spread: float
 
 
-def initial_rate(times: Sequence[float], values: Sequence[float]) -> InitialRate:
-    """Rate of a signal that was watched for a moment: least-squares line, for h'(0) of (25).
+def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: float) -> InitialRate:
+    """Rate of a signal that was watched for a moment, for h'(0) of (25): Remark 5, case 2.
 
     Args:
-        times: (N,) capture times, not all equal [s].
+        times: (N,) capture times, N >= 2, ascending [s].
         values: (N,) the signal, angles unwrapped.
+        lipschitz: bound of the signal's third derivative, > 0 [unit per s^3].
 
     Returns:
-        Slope and standard error.
+        The differentiator's last estimate, and how much the latest ones differ.
 
     Raises:
-        ControlError: if there are fewer than 2 distinct times, or the lengths differ.
+        ControlError: if there are fewer than 2 samples, the lengths differ or a sample is unusable.
     """
-    n = len(times)
-    if n != len(values) or len(set(times)) < 2:
-        raise ControlError(f"a rate needs 2 distinct times, got {n} times, {len(values)} values")
-    t_mean, mean = sum(times) / n, sum(values) / n
-    t = [time - t_mean for time in times]
-    square = sum(x * x for x in t)
-    rate = sum(x * (value - mean) for x, value in zip(t, values, strict=True)) / square
-    rest = sum((value - mean - rate * x) ** 2 for x, value in zip(t, values, strict=True))
-    return InitialRate(rate, sqrt(rest / (n - 2) / square) if n > 2 else inf)
+    if len(times) != len(values) or len(times) < 2:
+        raise ControlError(f"a rate needs 2 samples, got {len(times)} times, {len(values)} values")
+    first = min(_FIRST, len(times) - 1)
+    if not times[first] > times[0]:
+        raise ControlError(f"a rate needs ascending times, got {times[0]} and {times[first]} s")
+    slope = (values[first] - values[0]) / (times[first] - times[0])
+    # begun at its first slope it need not converge from 0, which takes longer than watching does
+    memory = begin_differentiator(times[first], values[first], lipschitz, rate=slope)
+    course = [slope]
+    for t, value in zip(times[first + 1 :], values[first + 1 :], strict=True):
+        memory = differentiate(memory, t, value)
+        course.append(memory.rate)
+    return InitialRate(course[-1], pstdev(course[-(len(course) // 3 or 1) :]))
 
 
 def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:

@@ -1,6 +1,5 @@
 """Who follows whom, and in which shape: pairs, time-varying references, the tree they form."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from math import tanh
 
@@ -148,27 +147,6 @@ class Formation:
     def robots(self) -> tuple[RobotId, ...]:
         """All robots, leaders before their followers."""
         return (self.root, *(pair.follower for pair in self.pairs))
-
-    def followers_of(self, robot_id: RobotId) -> tuple[RobotId, ...]:
-        """All robots that follow a robot, directly or through others.
-
-        Args:
-            robot_id: the robot.
-
-        Returns:
-            Ids, leaders before their followers; empty if nobody follows it.
-        """
-        found: list[RobotId] = [robot_id]
-        found += [pair.follower for pair in self._below(found)]
-        return tuple(found[1:])
-
-    def _below(self, found: list[RobotId]) -> Iterator[Pair]:
-        """Pairs whose leader is found, found growing while the caller takes them."""
-        known = set(found)
-        for pair in self.pairs:
-            if pair.leader in known:
-                known.add(pair.follower)
-                yield pair
 
 
 def _leaders_first(pairs: tuple[Pair, ...]) -> tuple[Pair, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from control.command import RobotId
 from control.unicycle import SpeedLimits, Twist, UnicycleState
-from datasets.bodies import pair_gaps, pair_indices
+from datasets.bodies import pair_gaps
 from datasets.cycle import RobotState
 from datasets.errors import SimulationError
 
@@ -179,17 +179,6 @@ class World:
             The distance; negative if bodies overlap, infinite with one robot [m].
         """
         return float(self._gaps().min(initial=np.inf))
-
-    def contacts(self) -> tuple[tuple[RobotId, RobotId], ...]:
-        """Robots whose bodies touch or overlap now. Nothing pushes them apart.
-
-        Returns:
-            Pairs of ids, in the order of the plants.
-        """
-        ids = list(self._robots)
-        first, second = pair_indices(len(ids))
-        touching = np.flatnonzero(self._gaps() <= 0.0)
-        return tuple((ids[first[k]], ids[second[k]]) for k in touching)
 
     def _gaps(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """Distances of all pairs of bodies now."""

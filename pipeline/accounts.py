@@ -49,6 +49,8 @@ def _lines(rig: Rig) -> Iterator[str]:
             held = sink.screen
             yield f"radio: {held.stale} stale and {held.refused} non-finite commands were not sent"
         if isinstance(sink, MiabotRadio):
+            if sink.unknown:
+                yield f"radio: {sink.unknown} commands were for robots without a port"
             yield from map(_link, sink.reports)
     for observer in rig.observers:
         if isinstance(observer, Dropping) and observer.dropped:

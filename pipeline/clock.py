@@ -43,17 +43,6 @@ class MonotonicClock:
             time.sleep(0.0)  # other threads may run
         return slack
 
-    def from_monotonic(self, t: float) -> float:
-        """Convert a reading of the machine's monotonic clock, as drivers stamp their frames.
-
-        Args:
-            t: CLOCK_MONOTONIC [s].
-
-        Returns:
-            The same moment on this clock [s].
-        """
-        return t - self._origin
-
 
 class VirtualClock:
     """Time that passes only by waiting, for runs as fast as they go."""

@@ -3,12 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees
-from statistics import pstdev
-
-import numpy as np
 
 from control.command import RobotId
-from control.differentiator import begin_differentiator, differentiate
+from control.differentiator import InitialRate, initial_rate, unwrapped
 from control.relative import RelativeRates, relative_state
 from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track
@@ -95,21 +92,12 @@ def initial_rates(
     times = [glimpse.t for glimpse in mission.glimpses]
     for index, pair in enumerate(setup.formation.pairs):
         distances = [glimpse.distances[index] for glimpse in mission.glimpses]
-        bearings = np.unwrap([glimpse.bearings[index] for glimpse in mission.glimpses]).tolist()
-        distance, bearing = _rate(times, distances, JERK), _rate(times, bearings, TURN_JERK)
-        rates[pair.follower] = RelativeRates(distance[0], bearing[0], 0.0)
+        bearings = unwrapped([glimpse.bearings[index] for glimpse in mission.glimpses])
+        distance = initial_rate(times, distances, JERK)
+        bearing = initial_rate(times, bearings, TURN_JERK)
+        rates[pair.follower] = RelativeRates(distance.rate, bearing.rate, 0.0)
         notes.append(f"robot {pair.follower} starts with {_told(distance, bearing)}")
     return rates, tuple(notes)
-
-
-def _rate(times: list[float], values: list[float], lipschitz: float) -> tuple[float, float]:
-    """Rate at the last sample by the robust exact differentiator, and the spread of its course."""
-    memory = begin_differentiator(times[0], values[0], lipschitz)
-    course = []
-    for t, value in zip(times[1:], values[1:], strict=True):
-        memory = differentiate(memory, t, value)
-        course.append(memory.rate)
-    return course[-1], pstdev(course[-(len(course) // 3 or 1) :])
 
 
 def forget_glimpses(mission: Mission) -> Mission:
@@ -143,9 +131,9 @@ def _before_start(
     return replace(mission, phase="running", t_start=tick.t)
 
 
-def _told(distance: tuple[float, float], bearing: tuple[float, float]) -> str:
+def _told(distance: InitialRate, bearing: InitialRate) -> str:
     """The initial rates and their spread in words."""
     return (
-        f"distance rate {1e3 * distance[0]:.1f} +- {1e3 * distance[1]:.1f} mm/s, "
-        f"bearing rate {degrees(bearing[0]):.2f} +- {degrees(bearing[1]):.2f} deg/s"
+        f"distance rate {1e3 * distance.rate:.1f} +- {1e3 * distance.spread:.1f} mm/s, "
+        f"bearing rate {degrees(bearing.rate):.2f} +- {degrees(bearing.spread):.2f} deg/s"
     )

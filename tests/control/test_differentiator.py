@@ -1,6 +1,6 @@
 """Differentiator: exactness on its class, noise, varying periods; the line fit."""
 
-from math import cos, inf, pi, sin, sqrt
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -74,20 +74,24 @@ def test_what_is_refused() -> None:
         begin_differentiator(0.0, 0.0, 1.0, 6)
     with pytest.raises(ControlError, match="bound"):
         begin_differentiator(0.0, 0.0, 0.0)
-    with pytest.raises(ControlError, match="2 distinct times"):
-        initial_rate([1.0, 1.0], [0.0, 0.0])
+    with pytest.raises(ControlError, match="2 samples"):
+        initial_rate([1.0], [0.0], 1.0)
+    with pytest.raises(ControlError, match="ascending"):
+        initial_rate([1.0, 1.0], [0.0, 0.0], 1.0)
 
 
-def test_line_fit_is_exact_and_its_spread_is_the_spread() -> None:
-    times = np.arange(16) / 30
-    exact = initial_rate(times.tolist(), (0.3 - 0.2 * times).tolist())
-    assert exact.rate == pytest.approx(-0.2)
-    assert exact.spread < 1e-12
+def test_the_initial_rate_of_a_watched_signal_and_its_spread() -> None:
+    times = np.arange(31) / 30  # s
+    arc = 0.3 - 0.2 * times + 0.05 * times**2  # m
+    exact = initial_rate(times.tolist(), arc.tolist(), 1.0)
+    assert exact.rate == pytest.approx(-0.1, abs=2e-3)  # m/s, at the end
+    assert exact.spread < 0.01
     rng = np.random.default_rng(0)
-    fits = [initial_rate(times.tolist(), (rng.normal(size=16) * 1e-3).tolist()) for _ in range(500)]
-    spread = sqrt(np.mean([fit.rate**2 for fit in fits]))
-    assert np.mean([fit.spread for fit in fits]) == pytest.approx(spread, rel=0.1)
-    assert initial_rate([0.0, 1.0], [0.0, 2.0]).spread == inf
+    noise = rng.normal(size=(100, 31)) * 3e-4
+    fits = [initial_rate(times.tolist(), (arc + n).tolist(), 1.0) for n in noise]
+    errors = np.array([fit.rate + 0.1 for fit in fits])
+    assert np.abs(errors).max() < 0.03
+    assert 0.3 < np.mean([fit.spread for fit in fits]) / errors.std() < 3.0
 
 
 @given(st.lists(st.floats(-1.5, 1.5), min_size=1, max_size=50))

@@ -44,9 +44,6 @@ def test_pairs_are_ordered_leaders_first() -> None:
     formation = Formation((pair(4, 5), pair("a", 4), pair("a", 3), pair(5, 6)))
     assert formation.root == "a"
     assert formation.robots == ("a", 4, 3, 5, 6)
-    assert formation.followers_of("a") == (4, 3, 5, 6)
-    assert formation.followers_of(4) == (5, 6)
-    assert formation.followers_of(6) == ()
 
 
 @given(st.permutations(range(1, 12)), st.data())

@@ -3,11 +3,16 @@
 Bounds are the project's targets (mm, deg), not what a run happens to give.
 """
 
+import re
 from math import degrees
 from pathlib import Path
 
 import pytest
 
+from control.command import RobotId
+from control.relative import relative_rates, relative_state
+from control.unicycle import UnicycleState
+from datasets.cycle import Moment
 from datasets.truth import RunResult
 from pipeline.scenario import scenario_path
 from tests.pipeline.runs import run_scenario
@@ -21,6 +26,11 @@ def worst(result: RunResult) -> tuple[float, float]:
     bearings = [f.bearing_rms_rad for f in scores if f.bearing_rms_rad is not None]
     assert len(distances) == len(bearings) == len(scores)
     return 1e3 * max(distances), degrees(max(bearings))
+
+
+def truth_of(moment: Moment, robot: RobotId) -> UnicycleState:
+    """True state of a robot."""
+    return next(r.state for r in moment.truth if r.robot_id == robot)
 
 
 @pytest.mark.parametrize("seed", [0, 11])
@@ -56,14 +66,20 @@ def test_the_papers_own_sampling_time() -> None:
 
 
 def test_robots_that_already_move_are_engaged_without_a_bump() -> None:
-    _, result, moments = run_scenario("moving-start", 2)
+    setup, result, moments = run_scenario("moving-start", 2)
     distance, bearing = worst(result)
     assert distance <= 3.0
     assert bearing <= 1.5
     assert [m.cycle.phase for m in moments[:40:39]] == ["searching", "watching"]
     engaged = next(m for m in moments if m.cycle.notes)
     assert 0.5 <= engaged.tick.t <= 0.6
-    assert all("+-" in note for note in engaged.cycle.notes)
+    for pair, note in zip(setup.formation.pairs, engaged.cycle.notes, strict=True):
+        found = re.findall(r"rate (-?[\d.]+) \+-", note)
+        leader, follower = (truth_of(engaged, robot) for robot in (pair.leader, pair.follower))
+        seen = relative_state(leader.pose, follower.pose, 0.05)
+        true = relative_rates(seen, leader.twist, follower.twist, 0.05)
+        assert float(found[0]) == pytest.approx(1e3 * true.distance, abs=10.0)  # mm/s
+        assert float(found[1]) == pytest.approx(degrees(true.bearing), abs=4.0)  # deg/s
     before, after = moments[moments.index(engaged) - 1], moments[moments.index(engaged) + 10]
     assert not before.cycle.commands  # nobody is told anything while being watched
     for old, new in zip(before.truth, after.truth, strict=True):
