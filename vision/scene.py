@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from control.geometry import Pose2D
+from vision.light import PALETTE_LIGHT, Light
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,8 +69,10 @@ class Scene:
         t_capture: capture time of the frame [s].
         detections: one per recognised robot, no id twice.
         rejected: candidates that were not accepted, with the reason.
+        light: as the accepted tags show it.
     """
 
     t_capture: float
     detections: tuple[Detection, ...]
     rejected: tuple[Rejection, ...] = ()
+    light: Light = PALETTE_LIGHT
