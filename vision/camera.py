@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from control.geometry import Pose2D
 from vision.errors import VisionError
+from vision.projection import Lens, project_points
 from vision.scene import PixelPose
 
 Floats = NDArray[np.float64]
@@ -58,6 +59,11 @@ class CameraModel:
         """Optical centre on the floor frame, shape (3,) [m]."""
         return -self.rotation.T @ self.translation
 
+    @property
+    def lens(self) -> Lens:
+        """The camera's numbers, for compiled functions."""
+        return Lens(self.matrix, self.distortion, self.rotation, self.translation)
+
     def project(self, points: Floats) -> Floats:
         """Map points of the floor frame to pixels.
 
@@ -67,10 +73,9 @@ class CameraModel:
         Returns:
             Pixels, shape (N, 2); NaN for points behind the camera.
         """
-        seen = points @ self.rotation.T + self.translation
-        depth = np.where(seen[:, 2:] > 0.0, seen[:, 2:], np.nan)
-        distorted = self._distorted(seen[:, :2] / depth)
-        return distorted @ self.matrix[:2, :2].T + self.matrix[:2, 2]
+        pixels = np.empty((len(points), 2))
+        project_points(self.lens, np.ascontiguousarray(points, np.float64), pixels)
+        return pixels
 
     def to_floor(self, pixels: Floats, height: float) -> Floats:
         """Map pixels to a plane parallel to the floor.

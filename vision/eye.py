@@ -1,24 +1,24 @@
 """Everything about the seeing that stays the same from frame to frame, worked out once."""
 
 from dataclasses import dataclass
-from math import gcd
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vision.camera import CameraModel
 from vision.errors import VisionError
-from vision.floor_map import floor_map, image_scales, sample_map, scale_levels
+from vision.floor_map import floor_map, image_scales
+from vision.gauge import Gauge, Plane
 from vision.optics import ChromaModel, Optics
-from vision.palette import Palette
-from vision.shapes import Shape, group_tags, make_shape
+from vision.palette import YCC_FROM_BGR, Palette
+from vision.shapes import Looks, Shape, make_looks, make_shapes
 from vision.tags import TagSet
-from vision.template import Singles, Templates, stack_templates
+from vision.template import Templates, make_templates
 
 __all__ = ["ChromaModel", "Eye", "Optics", "Thresholds", "make_eye"]
 
-_REACH, _REACH_PX = 1.05, 0.3  # half the window's side: in radii of the tag, and pixels more
-_MOST_BLOCKS = 100  # used of a window; larger windows are thinned out
+_REACH_PX = 3  # radius of the window around a tag beyond its own
+_LEAST_NOISE = 0.5  # rounding and what the model leaves out [grey levels]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +59,8 @@ class Eye:
         thresholds: of acceptance.
         radius: of the largest tag, see `TagSet.outer_radius` [m].
         shapes: geometries of the tags.
-        shape_of: shape (T,), index of every tag's geometry.
-        templates: blurred coverages.
-        samples: shape (H // 2, W // 2, 5, 4), floor points at tag height behind the samples of all
-            2 x 2 blocks, see `sample_map` [m].
-        level: shape (H, W), index of the scale nearest to every pixel's.
-        window_px: side of the window around a tag, even [px].
-        blocks: shape (B, 2), x, y of the 2 x 2 blocks of a window that are used [blocks].
+        gauge: what the fit needs.
+        looks: what the search needs.
         min_blob_px: area of the smallest blob that counts [px].
     """
 
@@ -76,12 +71,8 @@ class Eye:
     thresholds: Thresholds
     radius: float
     shapes: tuple[Shape, ...]
-    shape_of: NDArray[np.intp]
-    templates: Templates
-    samples: Singles
-    level: NDArray[np.uint8]
-    window_px: int
-    blocks: NDArray[np.intp]
+    gauge: Gauge
+    looks: Looks
     min_blob_px: float
 
 
@@ -92,7 +83,7 @@ def make_eye(
     optics: Optics | None = None,
     thresholds: Thresholds | None = None,
 ) -> Eye:
-    """Work out templates, sample points and the floor point of every pixel.
+    """Work out templates, sample points and the floor behind the picture.
 
     Args:
         camera: of the frames.
@@ -111,31 +102,43 @@ def make_eye(
     lacking = [color for color in tags.search_colors if palette.class_of(color) == 0]
     if lacking or not tags.tags:
         raise VisionError(f"{len(tags.tags)} tags; the palette lacks {', '.join(lacking) or '-'}")
-    scales, groups = image_scales(camera), group_tags(tags.tags)
-    half = int(np.ceil(_REACH * tags.outer_radius * float(scales[-1]) + _REACH_PX))
-    window = min(2 * half + 2, min(camera.size_px) // 2 * 2)
-    worn = tuple(tags.tags[group[0]] for group in groups)
-    templates, sharp = stack_templates(worn, scales, optics, window)
-    shapes = tuple(make_shape(tags, *pair, palette) for pair in zip(groups, sharp, strict=True))
-    shape_of = np.argsort(np.concatenate(groups))  # where each tag stands in the list of groups
-    shape_of = np.repeat(np.arange(len(groups)), [len(group) for group in groups])[shape_of]
-    floor = floor_map(camera)
-    smallest = min(float(s.areas[s.part_classes.any(axis=0)].min()) for s in shapes)
+    scales, shapes = image_scales(camera), make_shapes(tags)
+    worn = tuple(tags.tags[shape.tags[0]] for shape in shapes)
+    pixels, colors = (make_templates(worn, scales, optics, sample_px) for sample_px in (1, 2))
+    gauge = _gauge(camera, tags, optics, scales, (pixels, colors))
+    looks = make_looks(tags, shapes, pixels, palette)
+    smallest = min(float(shape.areas[list(shape.colored)].min()) for shape in shapes)
     least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
     return Eye(
-        camera, tags, palette, optics, thresholds, tags.outer_radius, shapes, shape_of, templates,
-        sample_map(floor, optics.chroma, templates.chroma_row), scale_levels(floor, scales),
-        window, _used_blocks(window), least_px,
+        camera, tags, palette, optics, thresholds, tags.outer_radius, shapes, gauge, looks, least_px
+    )
+
+
+def _gauge(
+    camera: CameraModel,
+    tags: TagSet,
+    optics: Optics,
+    scales: NDArray[np.float64],
+    templates: tuple[Templates, Templates],
+) -> Gauge:
+    """Put together what the fit needs."""
+    floor, chroma = floor_map(camera, scales), optics.chroma
+    noise = max(float(optics.noise), _LEAST_NOISE)
+    of_luma, of_blue, of_red = (noise * np.hypot.reduce(YCC_FROM_BGR, axis=1)).tolist()
+    separate = chroma.subsampling == "444" and not any(chroma.offset_px)
+    pixels = _plane(templates[0], [noise] * 3 if separate else [of_luma], 1.0)
+    colors = _plane(templates[1], [0.5 * of_blue, 0.5 * of_red], chroma.independence)
+    radius = int(np.ceil(tags.outer_radius * float(scales[-1]))) + _REACH_PX
+    side = max(tag.side for tag in tags.tags)
+    return Gauge(
+        pixels, colors, floor.nodes, floor.level, scales, np.array(chroma.offset_px),
+        chroma.mixed_one_way, radius, 0.5 * side,
     )  # fmt: skip
 
 
-def _used_blocks(window_px: int) -> NDArray[np.intp]:
-    """Blocks inside a circle; if there are many, a lattice of them that visits every row."""
-    count = window_px // 2
-    y, x = np.divmod(np.arange(count * count), count)
-    middle = 0.5 * (count - 1)
-    inside = np.hypot(x - middle, y - middle) <= 0.5 * count + 0.3
-    stride = -(-int(np.count_nonzero(inside)) // _MOST_BLOCKS)
-    turn = next(m for m in range(round(0.62 * stride), 2 * stride + 1) if gcd(m, stride) == 1)
-    used = np.flatnonzero(inside & ((x + turn * y) % stride == 0))
-    return np.column_stack((x[used], y[used]))
+def _plane(templates: Templates, noise: list[float], independence: float) -> Plane:
+    """Put together what is known of one kind of samples."""
+    return Plane(
+        templates.cells, templates.usage, templates.shares, templates.cell, np.array(noise),
+        independence,
+    )  # fmt: skip

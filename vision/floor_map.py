@@ -1,17 +1,35 @@
-"""The floor behind every pixel, worked out once: exact for every camera, cheap in every frame."""
+"""The floor behind the picture, worked out once: exact for every camera, cheap in every frame."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vision.camera import CameraModel
+from vision.compiled import compiled
 from vision.errors import VisionError
-from vision.optics import ChromaModel
 
 Floats = NDArray[np.float64]
-Singles = NDArray[np.float32]
+
+PITCH = 8
+"""Distance of two nodes of a floor map [px]; a lens bends less than 1e-4 px in between."""
 
 _SCALE_STEP = 1.1  # scales that differ by less than this factor are treated as one
 _FAR = 1e3  # where a ray that misses the floor is said to meet it [m]
+
+
+@dataclass(frozen=True, slots=True)
+class FloorMap:
+    """Floor points at tag height on a lattice of pixels.
+
+    Attributes:
+        nodes: shape (rows, columns, 2), the floor point behind pixel (PITCH column, PITCH row);
+            reaches beyond the image's last pixel; far away where there is none [m], read-only.
+        level: shape (rows, columns), index of the scale nearest to every node's, read-only.
+    """
+
+    nodes: Floats
+    level: NDArray[np.uint8]
 
 
 def image_scales(camera: CameraModel) -> Floats:
@@ -32,72 +50,83 @@ def image_scales(camera: CameraModel) -> Floats:
     floor = floor[np.isfinite(floor).all(axis=1)]
     if len(floor) == 0:
         raise VisionError("no pixel of the camera sees the floor at tag height")
-    affine = camera.affine_at(np.column_stack((floor, np.full(len(floor), camera.tag_height))))
-    scale = np.sqrt(np.abs(np.linalg.det(affine)))
+    scale = _scale(camera, floor)
     low, high = max(float(scale.min()), float(np.median(scale)) / 3.0), float(scale.max())
     count = 1 + int(np.ceil(np.log(high / low) / np.log(_SCALE_STEP) - 1e-6))
     return np.geomspace(low, high, count) if count > 1 else np.array([high])
 
 
-def floor_map(camera: CameraModel) -> Singles:
-    """Find the floor point at tag height behind every pixel.
+def floor_map(camera: CameraModel, scales: Floats) -> FloorMap:
+    """Find the floor points at tag height behind the picture.
 
     Args:
         camera: that takes the image.
-
-    Returns:
-        Homogeneous points (x, y, 1), shape (H, W, 3), far away where there is none [m], read-only.
-    """
-    w, h = camera.size_px
-    x, y = np.meshgrid(np.arange(w, dtype=np.float64), np.arange(h, dtype=np.float64))
-    pixels = np.column_stack((x.reshape(-1), y.reshape(-1)))
-    points = np.ones((w * h, 3), np.float32)
-    points[:, :2] = np.nan_to_num(camera.to_floor(pixels, camera.tag_height), nan=_FAR)
-    points.flags.writeable = False
-    return points.reshape(h, w, 3)
-
-
-def sample_map(floor: Singles, chroma: ChromaModel, chroma_row: int) -> Singles:
-    """Arrange the floor points of the samples of all blocks of 2 x 2 pixels as the fit needs them.
-
-    Args:
-        floor: shape (H, W, 3), homogeneous floor points of the pixels [m].
-        chroma: where colour is sampled.
-        chroma_row: fourth coordinate of colour samples; that of brightness samples is 0.
-
-    Returns:
-        Shape (H // 2, W // 2, 5, 4): x, y, 1, row of the four pixels, row by row, and of the colour
-        sample, read-only.
-    """
-    right, down = np.float32(0.5) - np.array(chroma.offset_px, np.float32)
-    h, w = floor.shape[0] // 2 * 2, floor.shape[1] // 2 * 2
-    blocks = floor[:h, :w].reshape(h // 2, 2, w // 2, 2, 3).transpose(0, 2, 1, 3, 4)
-    blocks = blocks.reshape(h // 2, w // 2, 4, 3)
-    across, along = blocks[:, :, 1] - blocks[:, :, 0], blocks[:, :, 2] - blocks[:, :, 0]
-    samples = np.zeros((h // 2, w // 2, 5, 4), np.float32)
-    samples[:, :, :4, :3] = blocks
-    samples[:, :, 4, :3] = blocks[:, :, 0] + right * across + down * along
-    samples[:, :, 4, 3] = chroma_row
-    samples.flags.writeable = False
-    return samples
-
-
-def scale_levels(floor: Singles, scales: Floats) -> NDArray[np.uint8]:
-    """Find the nearest of some scales for every pixel.
-
-    Args:
-        floor: shape (H, W, 3), homogeneous floor points of the pixels [m].
         scales: shape (L,), ascending, L <= 256 [px/m].
 
     Returns:
-        Indices of scales, shape (H, W), read-only.
+        The map.
     """
-    level = np.zeros(floor.shape[:2], np.uint8)
-    if len(scales) > 1:
-        slopes = np.gradient(floor[..., :2].astype(np.float64), axis=(0, 1))
-        down, across = np.asarray(slopes)
-        area = np.abs(across[..., 0] * down[..., 1] - across[..., 1] * down[..., 0])
-        limits = 1.0 / (scales[1:] * scales[:-1])  # the area of a pixel between two scales [m^2]
-        level = np.asarray((area[..., None] < limits).sum(axis=-1), np.uint8)
-    level.flags.writeable = False
-    return level
+    columns, rows = (size // PITCH + 2 for size in camera.size_px)
+    x, y = np.meshgrid(np.arange(columns) * float(PITCH), np.arange(rows) * float(PITCH))
+    points = camera.to_floor(np.column_stack((x.reshape(-1), y.reshape(-1))), camera.tag_height)
+    scale = np.nan_to_num(_scale(camera, points), nan=0.0)
+    level = np.abs(np.log(np.maximum(scale, 1e-9)[:, None] / scales)).argmin(axis=1)
+    nodes = np.nan_to_num(points, nan=_FAR).reshape(rows, columns, 2)
+    levels = level.astype(np.uint8).reshape(rows, columns)
+    for array in (nodes, levels):
+        array.flags.writeable = False
+    return FloorMap(nodes, levels)
+
+
+@compiled
+def floor_at(nodes: Floats, x: float, y: float) -> tuple[float, float]:
+    """Interpolate a floor map.
+
+    Args:
+        nodes: see `FloorMap`.
+        x: of a pixel in or near the image [px].
+        y: of the pixel [px].
+
+    Returns:
+        The floor point's coordinates [m].
+    """
+    rows, columns = nodes.shape[0], nodes.shape[1]
+    column = min(max(int(x / PITCH), 0), columns - 2)
+    row = min(max(int(y / PITCH), 0), rows - 2)
+    a, b = x / PITCH - column, y / PITCH - row
+    one, two = (1.0 - a) * (1.0 - b), a * (1.0 - b)
+    three, four = (1.0 - a) * b, a * b
+    return (
+        one * nodes[row, column, 0] + two * nodes[row, column + 1, 0]
+        + three * nodes[row + 1, column, 0] + four * nodes[row + 1, column + 1, 0],
+        one * nodes[row, column, 1] + two * nodes[row, column + 1, 1]
+        + three * nodes[row + 1, column, 1] + four * nodes[row + 1, column + 1, 1],
+    )  # fmt: skip
+
+
+@compiled
+def pixel_slopes(nodes: Floats, x: float, y: float) -> tuple[float, float, float, float]:
+    """How pixels move as floor points do.
+
+    Args:
+        nodes: see `FloorMap`.
+        x: of a pixel in or near the image [px].
+        y: of the pixel [px].
+
+    Returns:
+        d column / d x, d column / d y, d row / d x, d row / d y; 0 where nothing is seen [px/m].
+    """
+    here, right = floor_at(nodes, x, y), floor_at(nodes, x + 1.0, y)
+    down = floor_at(nodes, x, y + 1.0)
+    a, b, c, d = right[0] - here[0], down[0] - here[0], right[1] - here[1], down[1] - here[1]
+    area = a * d - b * c
+    if area == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    return d / area, -b / area, -c / area, a / area
+
+
+def _scale(camera: CameraModel, floor: Floats) -> Floats:
+    """Scale at tag height at floor points (N, 2), shape (N,) [px/m]."""
+    affine = camera.affine_at(np.column_stack((floor, np.full(len(floor), camera.tag_height))))
+    scale: Floats = np.sqrt(np.abs(np.linalg.det(affine)))
+    return scale

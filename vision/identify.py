@@ -5,17 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.compiled import compiled
 from vision.eye import Eye
+from vision.floor_map import floor_at, pixel_slopes
 from vision.scene import Rejection
 from vision.segment import Blobs
-from vision.shapes import Shape
+from vision.shapes import Looks
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+Bytes = NDArray[np.uint8]
 
 _SAME_PLACE = 0.3  # candidates are one if they are nearer than this share of the tag's radius
 _SAME_HEADING = 0.5  # and their headings differ by less than this [rad]
 _MAX_REASONS = 32
+_MAX_PAIRS = 1024  # of blobs that are looked at
 _SLACK_PX = 1.0  # error of the distance of two blobs beside the relative one
 
 
@@ -26,11 +30,13 @@ class Candidates:
     Attributes:
         shapes: shape (N,), geometry, an index of `eye.shapes`.
         poses: shape (N, 3), x, y, theta on the floor [m, m, rad].
+        centers: shape (N, 2), where that is in the image [px].
         agreement: shape (N,), share of the sample points that show the right class.
     """
 
     shapes: Indices
     poses: Floats
+    centers: Floats
     agreement: Floats
 
     def __len__(self) -> int:
@@ -45,11 +51,13 @@ class Candidates:
         Returns:
             These candidates.
         """
-        return Candidates(self.shapes[chosen], self.poses[chosen], self.agreement[chosen])
+        return Candidates(
+            self.shapes[chosen], self.poses[chosen], self.centers[chosen], self.agreement[chosen]
+        )
 
 
 def propose(
-    blobs: Blobs, classes: NDArray[np.uint8], eye: Eye, wanted: tuple[int, ...]
+    blobs: Blobs, classes: Bytes, eye: Eye, wanted: NDArray[np.bool_]
 ) -> tuple[Candidates, tuple[Rejection, ...]]:
     """Find poses that explain pairs of blobs.
 
@@ -57,117 +65,183 @@ def propose(
         blobs: coloured regions.
         classes: the class image they were found in, shape (H, W).
         eye: tags and camera.
-        wanted: indices of the tags to look for.
+        wanted: shape (T,), the tags to look for.
 
     Returns:
         Candidates, best first, at most `thresholds.max_candidates`; blobs and candidates that were
         left out, with the reason.
     """
-    floor = eye.camera.to_floor(blobs.centers, eye.camera.tag_height)
-    raw = [
-        _scored(index, _pair_poses(blobs, floor, eye, shape, own), own, classes, eye)
-        for index, shape in enumerate(eye.shapes)
-        if len(own := _own(shape, wanted))
-    ]
-    found = _joined(raw)
+    found, seen = _pairs(blobs, classes, eye, wanted)
     strong = int(np.count_nonzero(found.agreement >= eye.thresholds.agreement))
     best = _distinct(found.take(np.arange(strong)), eye)
     kept = best.take(np.arange(min(len(best), eye.thresholds.max_candidates)))
     weak = found.take(np.arange(strong, len(found)))
-    reasons = _lonely(blobs, floor, eye, found) + _weak(weak, kept, eye)
-    reasons += _cut(len(best) - len(kept), blobs.dropped, eye)
+    reasons = _lonely(blobs, eye, found) + _weak(weak, kept, eye)
+    reasons += _cut(len(best) - len(kept) + max(seen - _MAX_PAIRS, 0), blobs.dropped, eye)
     return kept, reasons
 
 
-def _own(shape: Shape, wanted: tuple[int, ...]) -> Indices:
-    """Positions within a shape of the tags that are wanted."""
-    own = [place for place, tag in enumerate(shape.tags.tolist()) if tag in wanted]
-    return np.array(own, np.intp)
+def _pairs(
+    blobs: Blobs, classes: Bytes, eye: Eye, wanted: NDArray[np.bool_]
+) -> tuple[Candidates, int]:
+    """Pairs of blobs as candidates, best first; and how many there would be."""
+    order = np.argsort(blobs.centers[:, 1], kind="stable")
+    shapes, poses = np.empty(_MAX_PAIRS, np.intp), np.empty((_MAX_PAIRS, 3))
+    centers, agreement = np.empty((_MAX_PAIRS, 2)), np.empty(_MAX_PAIRS)
+    seen = _pair_up(
+        blobs.classes[order], blobs.centers[order], classes, eye.gauge.nodes, eye.looks, wanted,
+        eye.thresholds.distance_share, (float(eye.gauge.scales[0]), float(eye.gauge.scales[-1])),
+        len(eye.palette.names) + 1, shapes, poses, centers, agreement,
+    )  # fmt: skip
+    count = min(seen, _MAX_PAIRS)
+    best = np.argsort(-agreement[:count], kind="stable")
+    return Candidates(shapes, poses, centers, agreement).take(best), seen
 
 
-def _pair_poses(blobs: Blobs, floor: Floats, eye: Eye, shape: Shape, own: Indices) -> Floats:
-    """Poses (N, 3) at which two blobs are the anchor parts of one of the tags."""
-    poses = [np.zeros((0, 3))]
-    colors = len(eye.palette.names) + 1
-    for i, j in shape.anchors:
-        match = np.zeros((colors, colors), bool)
-        match[shape.part_classes[own, i], shape.part_classes[own, j]] = True
-        first, second = np.nonzero(match[blobs.classes[:, None], blobs.classes])
-        between = floor[second] - floor[first]
-        expected = shape.centroids[j] - shape.centroids[i]
-        length = float(np.hypot(*expected))
-        slack = eye.thresholds.distance_share * length + _SLACK_PX / eye.templates.scales[0]
-        near = np.abs(np.hypot(between[:, 0], between[:, 1]) - length) < slack
-        dx, dy = between[near].T
-        theta = np.arctan2(dy, dx) - np.arctan2(expected[1], expected[0])
-        x, y = 0.5 * (floor[first[near]] + floor[second[near]]).T
-        u, v = 0.5 * (shape.centroids[i] + shape.centroids[j])
-        c, s = np.cos(theta), np.sin(theta)
-        poses.append(np.column_stack((x - c * u + s * v, y - s * u - c * v, theta)))
-    return np.concatenate(poses)
+@compiled
+def _pair_up(
+    kinds: Indices, pixels: Floats, classes: Bytes, nodes: Floats, looks: Looks,
+    wanted: NDArray[np.bool_], share: float, scales: tuple[float, float], colors: int,
+    shapes: Indices, poses: Floats, centers: Floats, agreement: Floats,
+) -> int:  # fmt: skip
+    """Try every two blobs (in the order of y) as every two anchors; returns how many fit."""
+    match, count = np.zeros((colors, colors), np.bool_), 0
+    for shape in range(looks.anchors.shape[0]):
+        for anchor in range(looks.anchors.shape[1]):
+            parts = looks.anchors[shape, anchor]
+            if not _match(looks, shape, anchor, wanted, match):
+                continue
+            one, two = looks.centroids[shape, parts[0]], looks.centroids[shape, parts[1]]
+            length = np.hypot(two[0] - one[0], two[1] - one[1])
+            slack = share * length + _SLACK_PX / scales[0]
+            reach = (length + slack) * scales[1]
+            for a in range(len(kinds)):
+                for b in range(a + 1, len(kinds)):
+                    if pixels[b, 1] - pixels[a, 1] > reach:
+                        break
+                    if abs(pixels[b, 0] - pixels[a, 0]) > reach:
+                        continue
+                    for first, second in ((a, b), (b, a)):
+                        slot = min(count, len(shapes) - 1)
+                        if match[kinds[first], kinds[second]] and _pose_of_pair(
+                            pixels[first], pixels[second], one, two, slack, nodes,
+                            poses[slot], centers[slot],
+                        ):  # fmt: skip
+                            shapes[slot] = shape
+                            agreement[slot] = _agreement(
+                                classes, nodes, looks, shape, wanted, poses[slot], centers[slot]
+                            )
+                            count += 1
+    return count
 
 
-def _scored(
-    index: int, poses: Floats, own: Indices, classes: NDArray[np.uint8], eye: Eye
-) -> Candidates:
-    """Look up the classes at the tags' sample points; the best of the tags counts."""
-    shape = eye.shapes[index]
-    shapes = np.full(len(poses), index, np.intp)
-    if len(poses) == 0:
-        return Candidates(shapes, poses, np.zeros(0))
-    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
-    u, v = shape.samples.T
-    points = np.full((len(poses), len(u), 3), eye.camera.tag_height)
-    points[..., 0] = poses[:, :1] + c * u - s * v
-    points[..., 1] = poses[:, 1:2] + s * u + c * v
-    pixels = eye.camera.project(points.reshape(-1, 3))
-    h, w = classes.shape
-    columns, rows = np.rint(np.nan_to_num(pixels, nan=-1.0)).astype(np.intp).T
-    inside = (columns >= 0) & (rows >= 0) & (columns < w) & (rows < h)
-    seen = classes.reshape(-1).take(rows * w + columns, mode="clip") * inside
-    wanted = shape.part_classes[own][:, shape.sample_parts]
-    agreement = (seen.reshape(len(poses), 1, -1) == wanted).mean(axis=2).max(axis=1)
-    return Candidates(shapes, poses, agreement)
+@compiled
+def _match(
+    looks: Looks, shape: int, anchor: int, wanted: NDArray[np.bool_], match: NDArray[np.bool_]
+) -> bool:
+    """Find the pairs of classes that the anchors of wanted tags have; False if there are none."""
+    match[:] = False
+    i, j = looks.anchors[shape, anchor]
+    for before in range(anchor):  # filled up with repetitions
+        if looks.anchors[shape, before, 0] == i and looks.anchors[shape, before, 1] == j:
+            return False
+    some = False
+    for tag in range(len(wanted)):
+        if wanted[tag] and looks.shape_of[tag] == shape:
+            match[looks.classes[tag, i], looks.classes[tag, j]] = some = True
+    return some
 
 
-def _joined(parts: list[Candidates]) -> Candidates:
-    """Put candidates together, best first."""
-    if not parts:
-        return Candidates(np.zeros(0, np.intp), np.zeros((0, 3)), np.zeros(0))
-    agreement = np.concatenate([part.agreement for part in parts])
-    every = Candidates(
-        np.concatenate([part.shapes for part in parts]),
-        np.concatenate([part.poses for part in parts]),
-        agreement,
-    )
-    return every.take(np.argsort(-agreement, kind="stable"))
+@compiled
+def _pose_of_pair(
+    first: Floats, second: Floats, one: Floats, two: Floats, slack: float, nodes: Floats,
+    pose: Floats, center: Floats,
+) -> bool:  # fmt: skip
+    """Pose at which two blobs are two parts' centres; False if their distance does not fit."""
+    x0, y0 = floor_at(nodes, first[0], first[1])
+    x1, y1 = floor_at(nodes, second[0], second[1])
+    length = np.hypot(two[0] - one[0], two[1] - one[1])
+    if not abs(np.hypot(x1 - x0, y1 - y0) - length) < slack:
+        return False
+    theta = np.arctan2(y1 - y0, x1 - x0) - np.arctan2(two[1] - one[1], two[0] - one[0])
+    u, v = 0.5 * (one[0] + two[0]), 0.5 * (one[1] + two[1])
+    c, s = np.cos(theta), np.sin(theta)
+    dx, dy = s * v - c * u, -s * u - c * v
+    pose[0], pose[1], pose[2] = 0.5 * (x0 + x1) + dx, 0.5 * (y0 + y1) + dy, theta
+    center[0], center[1] = 0.5 * (first[0] + second[0]), 0.5 * (first[1] + second[1])
+    slopes = pixel_slopes(nodes, center[0], center[1])
+    center[0] += slopes[0] * dx + slopes[1] * dy
+    center[1] += slopes[2] * dx + slopes[3] * dy
+    return True
+
+
+@compiled
+def _agreement(
+    classes: Bytes, nodes: Floats, looks: Looks, shape: int, wanted: NDArray[np.bool_],
+    pose: Floats, center: Floats,
+) -> float:  # fmt: skip
+    """Largest share, over the wanted tags, of the sample points that show the right class."""
+    height, width = classes.shape
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    slopes = pixel_slopes(nodes, center[0], center[1])
+    points = looks.samples.shape[1]
+    seen, used = np.zeros(points, np.uint8), 0
+    for n in range(points):
+        if looks.sample_parts[shape, n] < 0:
+            break
+        used += 1
+        u, v = looks.samples[shape, n]
+        dx, dy = c * u - s * v, s * u + c * v
+        x = int(np.floor(center[0] + slopes[0] * dx + slopes[1] * dy + 0.5))
+        y = int(np.floor(center[1] + slopes[2] * dx + slopes[3] * dy + 0.5))
+        if 0 <= x < width and 0 <= y < height:
+            seen[n] = classes[y, x]
+    best = 0
+    for tag in range(len(wanted)):
+        if wanted[tag] and looks.shape_of[tag] == shape:
+            hits = 0
+            for n in range(used):
+                hits += seen[n] == looks.classes[tag, looks.sample_parts[shape, n]]
+            best = max(best, hits)
+    return best / max(used, 1)
+
+
+@compiled
+def _keep_distinct(
+    shapes: Indices, poses: Floats, place: float, turn: float, most: int, kept: Indices
+) -> int:
+    """Choose candidates, best first, that no better one repeats; returns their number."""
+    count = 0
+    for n in range(len(shapes)):
+        alone = count < most
+        for before in kept[:count]:
+            away = np.hypot(poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1])
+            same = np.cos(poses[n, 2] - poses[before, 2]) > turn
+            if shapes[n] == shapes[before] and away < place and same:
+                alone = False
+        if alone:
+            kept[count] = n
+            count += 1
+    return count
 
 
 def _distinct(candidates: Candidates, eye: Eye) -> Candidates:
-    """Drop candidates that a better one repeats; looks at four times as many as will be kept."""
-    if len(candidates) < 2:
-        return candidates
-    looked = candidates.take(np.arange(min(len(candidates), 4 * eye.thresholds.max_candidates)))
-    away = looked.poses[:, None] - looked.poses
-    near = np.hypot(away[..., 0], away[..., 1]) < _SAME_PLACE * eye.radius
-    same = near & (np.cos(away[..., 2]) > np.cos(_SAME_HEADING))
-    same &= looked.shapes[:, None] == looked.shapes
-    kept: list[int] = []
-    for index, row in enumerate(same):
-        if not row[kept].any():
-            kept.append(index)
-    rest = range(len(looked), len(candidates))
-    return candidates.take(np.array([*kept, *rest], np.intp))
+    """Drop candidates that a better one repeats; one more than will be kept is left to be told."""
+    most = eye.thresholds.max_candidates + 1
+    kept = np.empty(most, np.intp)
+    place, turn = _SAME_PLACE * eye.radius, float(np.cos(_SAME_HEADING))
+    count = _keep_distinct(candidates.shapes, candidates.poses, place, turn, most, kept)
+    return candidates.take(kept[:count])
 
 
-def _lonely(blobs: Blobs, floor: Floats, eye: Eye, found: Candidates) -> tuple[Rejection, ...]:
+def _lonely(blobs: Blobs, eye: Eye, found: Candidates) -> tuple[Rejection, ...]:
     """Say of large blobs without a partner what was missing."""
     if len(blobs) == 0:
         return ()
-    scale = float(eye.templates.scales[-1])
-    away = floor[:, None] - found.poses[:, :2]
+    scale = float(eye.gauge.scales[-1])
+    away = blobs.centers[:, None] - found.centers
     near = np.hypot(away[..., 0], away[..., 1]).min(axis=1, initial=np.inf)
-    alone = np.flatnonzero(~(near < eye.radius))
+    alone = np.flatnonzero(~(near < eye.radius * scale))
     reasons = []
     for index in alone[:_MAX_REASONS]:
         label, area = int(blobs.classes[index]), float(blobs.areas[index])
@@ -180,12 +254,13 @@ def _lonely(blobs: Blobs, floor: Floats, eye: Eye, found: Candidates) -> tuple[R
 
 def _missing_partner(eye: Eye, label: int, area: float, scale: float) -> str:
     """What a blob of a class would need to be part of a tag; empty if it is too small to matter."""
-    for shape in eye.shapes:
+    for index, shape in enumerate(eye.shapes):
+        centroids, classes = eye.looks.centroids[index], eye.looks.classes[list(shape.tags)]
         for i, j in shape.anchors:
             for part, other in ((i, j), (j, i)):
                 large = area > 0.5 * shape.areas[part] * scale**2
-                if large and (shape.part_classes[:, part] == label).any():
-                    length = float(np.hypot(*(shape.centroids[i] - shape.centroids[j])))
+                if large and (classes[:, part] == label).any():
+                    length = float(np.hypot(*(centroids[i] - centroids[j])))
                     reach = length * (1 + eye.thresholds.distance_share) * scale + _SLACK_PX
                     names = shape.names
                     return f"{names[part]} patch without {names[other]} patch within {reach:.1f} px"
@@ -194,18 +269,14 @@ def _missing_partner(eye: Eye, label: int, area: float, scale: float) -> str:
 
 def _weak(weak: Candidates, kept: Candidates, eye: Eye) -> tuple[Rejection, ...]:
     """Say of pairs that disagree with the class image by how much, if nothing better is there."""
-    if len(weak) == 0:
-        return ()
     reasons: list[Rejection] = []
-    told = kept.poses
-    radius = eye.radius
-    for index in range(len(weak)):
-        pose = weak.poses[index]
-        if (np.hypot(*(told[:, :2] - pose[:2]).T) < radius).any():
+    told = kept.centers
+    reach = eye.radius * float(eye.gauge.scales[-1])
+    for center, agreement in zip(weak.centers, weak.agreement, strict=True):
+        if (np.hypot(*(told - center).T) < reach).any():
             continue
-        told = np.vstack((told, pose))
-        center = eye.camera.project(np.array([[pose[0], pose[1], eye.camera.tag_height]]))[0]
-        shares = f"{weak.agreement[index]:.2f} < {eye.thresholds.agreement:.2f}"
+        told = np.vstack((told, center))
+        shares = f"{agreement:.2f} < {eye.thresholds.agreement:.2f}"
         reasons.append(_at(center, f"colours agree at too few points: {shares}"))
         if len(reasons) == _MAX_REASONS:
             break

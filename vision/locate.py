@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from control.geometry import Pose2D
-from vision.accept import assign, judge
+from vision.accept import assign, detections_of, judge, light_ratios
 from vision.errors import VisionError
 from vision.eye import Eye
 from vision.frame import Frame
 from vision.identify import Candidates, propose
+from vision.light import PALETTE_LIGHT, Light, taught, watched
 from vision.pose import fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
@@ -38,7 +39,12 @@ class Prediction:
     covariance: Floats
 
 
-def locate(frame: Frame, eye: Eye, predictions: tuple[Prediction, ...] = ()) -> Scene:
+def locate(
+    frame: Frame,
+    eye: Eye,
+    predictions: tuple[Prediction, ...] = (),
+    light: Light = PALETTE_LIGHT,
+) -> Scene:
     """Find the robots in a frame.
 
     Predicted robots are fitted straight from their predictions; only if a robot of the tag set is
@@ -48,9 +54,10 @@ def locate(frame: Frame, eye: Eye, predictions: tuple[Prediction, ...] = ()) -> 
         frame: what the camera saw.
         eye: camera, tags, palette; everything constant.
         predictions: where robots are expected, those not in the tag set are ignored.
+        light: as the last frame's scene told it.
 
     Returns:
-        The robots found, in the order of the tag set, and what was not accepted.
+        The robots found, in the order of the tag set, what was not accepted, and the light.
 
     Raises:
         VisionError: if the frame's size is not the camera's.
@@ -58,65 +65,75 @@ def locate(frame: Frame, eye: Eye, predictions: tuple[Prediction, ...] = ()) -> 
     if frame.size_px != eye.camera.size_px:
         (w, h), (cw, ch) = frame.size_px, eye.camera.size_px
         raise VisionError(f"frame of {w} x {h} px, but the camera model is for {cw} x {ch} px")
-    found, rejected = _follow(frame, eye, predictions)
+    light = watched(light, frame.image)
+    found, rejected, light = _follow(frame, eye, predictions, light)
     missing = _missing(found, eye)
-    if missing:
-        more, rejected = _search(frame, eye, missing, found)
+    if missing.any():
+        more, rejected = _search(frame, eye, missing, found, light)
         found += more
     order = {robot_id: rank for rank, robot_id in enumerate(eye.tags.ids)}
     ranked = sorted(found, key=lambda detection: order[detection.robot_id])
-    return Scene(frame.t_capture, tuple(ranked), rejected)
+    return Scene(frame.t_capture, tuple(ranked), rejected, light)
 
 
-_Outcome = tuple[tuple[Detection, ...], tuple[Rejection, ...]]
-
-
-def _follow(frame: Frame, eye: Eye, predictions: tuple[Prediction, ...]) -> _Outcome:
-    """Fit the predicted robots where they are expected."""
+def _follow(
+    frame: Frame, eye: Eye, predictions: tuple[Prediction, ...], light: Light
+) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
+    """Fit the predicted robots where they are expected; they tell the light."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
     known = [p for p in predictions if p.robot_id in index and _is_near(p.pose, eye)]
     if not known:
-        return (), ()
+        return (), (), light
     tags = np.array([index[p.robot_id] for p in known])
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in known])
-    start = Candidates(eye.shape_of[tags], poses, np.ones(len(known)))
+    centers = eye.camera.project(_at_height(poses, eye.camera.tag_height))
+    start = Candidates(eye.looks.shape_of[tags], poses, centers, np.ones(len(known)))
     possible = tags[:, None] == np.arange(len(eye.tags.tags))
-    return _accepted(frame, eye, start, possible, np.zeros((0, 2)))
+    fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
+    verdict = judge(fit, start, eye, possible, light.gains)
+    chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE)
+    light = taught(light, light_ratios(fit, chosen, eye))
+    return detections_of(verdict, fit, chosen, eye), rejected, light
 
 
 def _search(
-    frame: Frame, eye: Eye, missing: tuple[int, ...], found: tuple[Detection, ...]
-) -> _Outcome:
-    """Look for the missing robots in the whole frame."""
-    taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
-    classes = eye.palette.classify(frame.image)
-    blobs = find_blobs(classes, eye.min_blob_px, eye.thresholds.max_blobs)
-    candidates, rejected = propose(_unexplained(blobs, taken, eye), classes, eye, missing)
-    if len(candidates) == 0:
-        return (), rejected
-    possible = np.zeros((len(candidates), len(eye.tags.tags)), bool)
-    possible[:, list(missing)] = True
-    detections, reasons = _accepted(frame, eye, candidates, possible, taken)
-    return detections, rejected + reasons
-
-
-def _accepted(
     frame: Frame,
     eye: Eye,
-    candidates: Candidates,
-    possible: NDArray[np.bool_],
-    taken: Floats,
-) -> _Outcome:
-    """Fit candidates and accept them or not."""
-    fit = fit_poses(frame.image, eye, candidates.shapes, candidates.poses, _STEPS)
-    verdict = judge(fit, candidates, eye, possible)
-    return assign(verdict, fit, eye, taken)
+    missing: NDArray[np.bool_],
+    found: tuple[Detection, ...],
+    light: Light,
+) -> tuple[tuple[Detection, ...], tuple[Rejection, ...]]:
+    """Look for the missing robots in the whole frame."""
+    classes = eye.palette.classify(frame.image, light)
+    blobs = find_blobs(classes, eye.min_blob_px, eye.thresholds.max_blobs)
+    blobs = _unexplained(blobs, found, eye)
+    candidates, rejected = propose(blobs, classes, eye, missing)
+    if len(candidates) == 0:
+        return (), rejected
+    possible = np.tile(missing, (len(candidates), 1))
+    fit = fit_poses(
+        frame.image, eye.gauge, candidates.shapes, candidates.poses, candidates.centers, _STEPS
+    )
+    verdict = judge(fit, candidates, eye, possible, light.gains)
+    taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
+    chosen, reasons = assign(verdict, fit, candidates, eye, taken)
+    return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 
-def _missing(found: tuple[Detection, ...], eye: Eye) -> tuple[int, ...]:
-    """Indices of the tags that were not found."""
+_NOWHERE = np.zeros((0, 2))
+
+
+def _at_height(poses: Floats, height: float) -> Floats:
+    """Points (N, 3) in space of poses (N, 3)."""
+    points = poses.copy()
+    points[:, 2] = height
+    return points
+
+
+def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:
+    """Which tags (T,) were not found."""
     seen = {detection.robot_id for detection in found}
-    return tuple(n for n, robot_id in enumerate(eye.tags.ids) if robot_id not in seen)
+    return np.array([robot_id not in seen for robot_id in eye.tags.ids])
 
 
 def _is_near(pose: Pose2D, eye: Eye) -> bool:
@@ -125,11 +142,12 @@ def _is_near(pose: Pose2D, eye: Eye) -> bool:
     return hypot(pose.x - x, pose.y - y) < _WORLD * height and abs(pose.theta) < inf
 
 
-def _unexplained(blobs: Blobs, taken: Floats, eye: Eye) -> Blobs:
+def _unexplained(blobs: Blobs, found: tuple[Detection, ...], eye: Eye) -> Blobs:
     """Blobs that do not lie on a robot already found."""
-    if len(taken) == 0 or len(blobs) == 0:
+    if not found or len(blobs) == 0:
         return blobs
-    floor = eye.camera.to_floor(blobs.centers, eye.camera.tag_height)
-    away = np.hypot(*(floor[:, None] - taken).transpose(2, 0, 1)).min(axis=1)
-    free = np.flatnonzero(~(away < 0.6 * eye.radius))
+    taken = np.array([(d.pixel.x, d.pixel.y) for d in found])
+    scale = float(eye.gauge.scales[0])
+    away = np.hypot(*(blobs.centers[:, None] - taken).transpose(2, 0, 1)).min(axis=1)
+    free = np.flatnonzero(~(away < 0.6 * eye.radius * scale))
     return Blobs(blobs.classes[free], blobs.centers[free], blobs.areas[free], blobs.dropped)

@@ -5,18 +5,21 @@ entries. The table is a kernel density estimate per colour over these 32 x 32 x 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from vision.errors import VisionError
+from vision.light import PALETTE_LIGHT, Light
 
 Pixels = NDArray[np.uint8]
 Floats = NDArray[np.float64]
 
 LEVELS = 32  # cells along each of blue, green and red
 _KERNEL_CELLS = 1.0  # standard deviation of the kernel [cells of 8 grey levels]
+_LIGHT_STEP = 0.03  # of the logarithm of a factor, in which tables for other lights are made
 _CLUTTER = 2.0  # weight of "any colour" (uniform) against one named colour
 _BGR_TO_YCC = np.array(
     [[0.114, 0.587, 0.299], [0.5, -0.331264, -0.168736], [-0.081312, -0.418688, 0.5]]
@@ -51,7 +54,7 @@ class ColorSamples:
     pixels: Pixels
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Palette:
     """Colour classes; class 0 is "nothing", class i is `names[i - 1]`.
 
@@ -80,17 +83,19 @@ class Palette:
         """
         return self.names.index(name) + 1 if name in self.names else 0
 
-    def classify(self, image: Pixels) -> Pixels:
+    def classify(self, image: Pixels, light: Light = PALETTE_LIGHT) -> Pixels:
         """Look up the class of every pixel.
 
         Args:
             image: shape (H, W, 3), BGR.
+            light: in which it was taken.
 
         Returns:
             Classes, shape (H, W).
         """
+        steps = np.rint(np.log(light.gains) / _LIGHT_STEP).astype(int)
         packed = cv2.cvtColor(image, cv2.COLOR_BGR2BGR555).view(np.uint16)[..., 0]
-        return _looked_up(self.table, packed)
+        return _looked_up(_lit(self, tuple(steps.tolist())), packed)
 
     def probabilities(self, colors: Floats) -> NDArray[np.float32]:
         """Probability of every class, for colours that need not be whole numbers.
@@ -104,6 +109,20 @@ class Palette:
         cells = np.clip(np.nan_to_num(colors), 0, 255).astype(np.int64) >> 3
         found: NDArray[np.float32] = self.posterior[cells @ _PLACES]
         return found
+
+
+@lru_cache(maxsize=64)
+def _lit(palette: Palette, steps: tuple[int, int, int]) -> Pixels:
+    """The table of a palette under another light, in steps of `_LIGHT_STEP`."""
+    if not any(steps):
+        return palette.table
+    middle = 8.0 * np.arange(LEVELS) + 4.0
+    cells = np.clip(np.outer(np.exp(-_LIGHT_STEP * np.array(steps)), middle), 0, 255) // 8
+    blue, green, red = cells.astype(np.intp)
+    table: Pixels = palette.table.reshape(LEVELS, LEVELS, LEVELS)[np.ix_(red, green, blue)].reshape(
+        -1
+    )
+    return table
 
 
 _PLACES = np.array([1, LEVELS, LEVELS**2])  # of blue, green, red in the packed colour

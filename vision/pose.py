@@ -1,39 +1,40 @@
-"""Sub-pixel pose: the blurred layout is fitted to the pixels themselves, for all tags at once.
+"""Sub-pixel pose: the blurred layout is fitted to the samples themselves, never to thresholds.
 
-The luma or chroma of a pixel is the sum over the tag's parts (and the floor around it) of coverage
-times brightness. The brightnesses are linear unknowns and solved exactly; the pose follows by
-Gauss-Newton with them projected out (variable projection, Golub and Pereyra 1973). Everything but
-one look-up of the template and its Gram matrix is arithmetic on a few small matrices per tag.
-
-R tags, P pixels, C = 3 channels (luma, two chromas), M = K + 1 parts with the outside. Template
-channels come in 4 groups of M: coverage, and its derivatives by a step forward, left and a turn.
+Every tag by itself, by Gauss-Newton from its starting pose; the steps are in `elimination`.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.eye import Eye
-from vision.palette import BGR_FROM_YCC, YCC_FROM_BGR
-from vision.template import Singles
+from vision.compiled import compiled
+from vision.elimination import (
+    COVERS,
+    WEIGHT,
+    accumulate,
+    dot,
+    invert,
+    look_up,
+    solve_brightness,
+)
+from vision.floor_map import PITCH, pixel_slopes
+from vision.gauge import Gauge, Plane
+from vision.samples import Usage, Window, collect_colors, collect_pixels
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
+Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
-_PRIOR_WEIGHT = 20.0  # pixels that the stated noise counts for, against the residuals found
-_RIDGE = 1e-3  # pixels of brightness 0 for every part: keeps parts out of sight solvable
-_STEP = 0.3  # longest Gauss-Newton step, in half sides of the tag
+_PRIOR_WEIGHT = 20.0  # samples that the stated noise counts for, against the residuals found
+_STEP = 0.3  # longest Gauss-Newton step, in arms: half sides of the largest tag
 _SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
+_ASTRAY_PX = 0.7  # samples are collected anew after a longer way
+_MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
 _LEAST = 0.05  # share of the residuals that a step leaves at least
-_MODEL_PX = 0.008  # error of the model itself: pixels are squares, not Gaussians
-_MODEL_TURN_PX = 0.027  # and of the heading, as a displacement at one side's distance
-_NO_MAP = np.empty(0, np.float32)
-_STIFFNESS = np.diag((1e2, 1e2, 1e-2))  # as if known to 0.1 m, 10 rad: keeps blind fits solvable
-_LUMA = YCC_FROM_BGR[:1].T.astype(np.float32)
-_CHROMA = (YCC_FROM_BGR[1:].T / 4.0).astype(np.float32)  # of the sum of 4 pixels
-_NOISE_GAIN = np.hypot.reduce(YCC_FROM_BGR, axis=1) * (1.0, 0.5, 0.5)  # chroma: mean of 4 pixels
+_STIFFNESS_M, _STIFFNESS_RAD = 0.1, 10.0  # known beforehand: keeps blind fits solvable
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +45,8 @@ class Fit:
         poses: shape (R, 3), x, y, theta on the floor [m, m, rad].
         covariances: shape (R, 3, 3) [m^2, m rad, rad^2].
         residual_px: shape (R,), rms misfit as a displacement of edges [px].
-        colors: shape (R, K, 3), BGR of every part as it would look without blur.
+        colors: shape (R, K + 1, 3), BGR of every part, and of the floor around, as they would look
+            without blur.
     """
 
     poses: Floats
@@ -53,189 +55,231 @@ class Fit:
     colors: Floats
 
 
-@dataclass(frozen=True, slots=True)
-class _Samples:
-    """Brightness and colour around every tag; B blocks of 2 x 2 pixels.
+class _Room(NamedTuple):
+    """Memory to work in: floor points of samples and their values, tables, unknowns a (3, M)."""
 
-    floor: (R, 5 B, 4) homogeneous floor points [m] and row, first those of the 4 B pixels, then
-    those of the B colour samples; luma: (R, 4 B, 1); chroma: (R, B, 2); rows: (R,) where the tags'
-    templates begin.
-    """
-
-    floor: Singles
-    luma: Singles
-    chroma: Singles
-    rows: Indices
-
-
-@dataclass(frozen=True, slots=True)
-class _Step:
-    """Normal equations H (R, 3, 3), g (R, 3, 1), and what they were made from.
-
-    bright: (R, C, M) brightness of the parts; in units of the noise, per tag (R,): misfit, the sum
-    of squared residuals; slope, of squared derivatives by position; freedom, what the misfit and
-    the prior of the noise would be if the noise were as stated.
-    """
-
-    normal: Floats
-    gradient: Floats
+    places: Singles
+    values: Singles
+    tables: Singles
     bright: Floats
-    misfit: Floats
-    slope: Floats
-    freedom: Floats
+
+
+class _Spot(NamedTuple):
+    """Where a tag is looked for: index of its scale, of its geometry, and of its heading's turn."""
+
+    level: int
+    shape: int
+    turn: int
 
 
 def fit_poses(
-    image: NDArray[np.uint8], eye: Eye, shapes: Indices, start: Floats, steps: int
+    image: Bytes, gauge: Gauge, shapes: Indices, start: Floats, centers: Floats, steps: int
 ) -> Fit:
     """Fit tags to the picture, each from its own starting pose.
 
     Args:
         image: shape (H, W, 3), BGR.
-        eye: templates, floor points and noise.
-        shapes: shape (R,), R >= 1, geometry of every tag, an index of `eye.shapes`.
+        gauge: templates, floor map and noise.
+        shapes: shape (R,), geometry of every tag.
         start: shape (R, 3), x, y, theta on the floor [m, m, rad].
+        centers: shape (R, 2), where that is in the image [px].
         steps: number of Gauss-Newton steps, at least 1.
 
     Returns:
         The fitted tags, in the same order.
     """
-    samples, scale = _cut_out(image, eye, shapes, start)
-    poses = start.astype(np.float64, copy=True)
-    arm = 0.5 * eye.templates.side  # turns are compared with displacements at this distance
-    for _ in range(steps):
-        step = _linearised(samples, eye, poses)
-        delta = np.asarray(np.linalg.solve(step.normal, step.gradient)[..., 0])
-        length = np.fmax(np.hypot(delta[:, 0], delta[:, 1]), arm * np.abs(delta[:, 2]))
-        delta /= np.fmax(length / (_STEP * arm), 1.0)[:, None]
-        _move(poses, delta)
-        if (length * scale < _SETTLED_PX).all():
-            break
-    return _outcome(poses, step, delta, scale, 2.0 * arm * scale)
-
-
-def _cut_out(
-    image: NDArray[np.uint8], eye: Eye, shapes: Indices, start: Floats
-) -> tuple[_Samples, Floats]:
-    """Cut a window of whole 2 x 2 blocks around every tag, shifted to lie inside the image."""
-    w, h = eye.camera.size_px
-    n, templates, count = eye.window_px, eye.templates, len(start)
-    points = np.column_stack((start[:, :2], np.full(count, eye.camera.tag_height)))
-    center = np.fmax(np.fmin(eye.camera.project(points), (w - 1, h - 1)), 0)
-    corners = np.fmax(np.fmin(center - (n / 2 - 1.5), (w - n, h - n)), 0).astype(np.intp) // 2
-    x, y = (corners[:, None] + eye.blocks).transpose(2, 0, 1)  # blocks, (R, B)
-    luma, chroma = _planes(image, eye, x, y)
-    floor = eye.samples[y, x].transpose(0, 2, 1, 3).reshape(count, -1, 4)
-    column, row = center.astype(np.intp).T
-    level = eye.level[row, column].astype(np.intp)
-    rows = (level * templates.shapes + shapes) * templates.pitch
-    return _Samples(floor, luma, chroma, rows), templates.scales[level]
-
-
-def _planes(image: NDArray[np.uint8], eye: Eye, x: Indices, y: Indices) -> tuple[Singles, Singles]:
-    """Luma (R, 4 B, 1) and chroma means (R, B, 2) of the blocks at x, y (R, B)."""
-    h, w = image.shape[0] // 2, image.shape[1] // 2
-    blocks = image[: 2 * h, : 2 * w].reshape(h, 2, w, 2, 3)
-    pixels = blocks[y, :, x].astype(np.float32)  # (R, B, 2, 2, 3)
-    sums = _block_sums(pixels)
-    if eye.optics.chroma.mixed_one_way:  # mix the rows 1 : 6 : 1, as upsampling mixed the columns
-        above = _block_sums(blocks[np.fmax(y - 1, 0), :, x].astype(np.float32))
-        below = _block_sums(blocks[np.fmin(y + 1, h - 1), :, x].astype(np.float32))
-        sums = 0.75 * sums + 0.125 * (above + below)
-    luma = pixels.transpose(0, 2, 3, 1, 4).reshape(len(x), -1, 3) @ _LUMA
-    return np.asarray(luma, np.float32), np.asarray(sums @ _CHROMA, np.float32)
-
-
-def _block_sums(pixels: Singles) -> Singles:
-    """Sums (R, B, 3) over the four pixels of blocks (R, B, 2, 2, 3)."""
-    rows: Singles = pixels[:, :, 0] + pixels[:, :, 1]
-    return rows[:, :, 0] + rows[:, :, 1]
-
-
-def _linearised(samples: _Samples, eye: Eye, poses: Floats) -> _Step:
-    """Linearise the picture about the poses and eliminate the brightness of the parts."""
-    gram, moment, energy = _sums(samples, eye, poses)
-    count, parts = len(poses), eye.templates.parts + 1
-    covers = gram[..., :parts, :parts]  # V^T V
-    inverse = np.linalg.inv(covers + _RIDGE * eye.templates.unit)
-    bright = inverse @ moment[..., :parts, None]  # (R, C, M, 1)
-    turned = bright.transpose(0, 1, 3, 2)[:, :, None]
-    mixed = (turned @ gram.reshape(count, 3, 4, parts, 4 * parts))[:, :, :, 0]  # (R, C, 4, 4 M)
-    products = (mixed.reshape(count, 3, 4, 4, parts) @ bright[:, :, None])[..., 0]
-    seen = moment.reshape(count, 3, 4, parts) @ bright  # (R, C, 4, 1)
-    squares = np.fmax(energy - 2.0 * seen[..., 0, 0] + products[..., 0, 0], 0.0)
-    free = _PRIOR_WEIGHT + np.fmax(np.einsum("rcij->rc", covers) - parts, 1.0)
-    free *= (1.0, eye.optics.chroma.independence, eye.optics.chroma.independence)
-    precision = free / (_PRIOR_WEIGHT * (max(eye.optics.noise, 0.5) * _NOISE_GAIN) ** 2 + squares)
-    shared = mixed[:, :, 1:, :parts]  # J^T V
-    own = products[:, :, 1:, 1:]  # J^T J
-    reduced = own - shared @ inverse @ shared.transpose(0, 1, 3, 2)
-    gradient = seen[:, :, 1:] - products[:, :, 1:, :1]  # J^T (y - V a)
-    return _Step(
-        np.einsum("rcij,rc->rij", reduced, precision) + _STIFFNESS,
-        np.einsum("rcij,rc->rij", gradient, precision),
-        bright[..., 0],
-        np.einsum("rc,rc->r", squares, precision),
-        np.einsum("rc,rc->r", own[..., 0, 0] + own[..., 1, 1], precision),
-        np.einsum("rc->r", free),
+    count, parts = len(start), gauge.pixels.cells.shape[-1]
+    fit = Fit(
+        start.copy(), np.empty((count, 3, 3)), np.empty(count), np.empty((count, parts + 1, 3))
     )
+    _fit_all(
+        image, gauge, shapes, centers.copy(), steps,
+        fit.poses, fit.covariances, fit.residual_px, fit.colors,
+    )  # fmt: skip
+    return fit
 
 
-def _sums(samples: _Samples, eye: Eye, poses: Floats) -> tuple[Floats, Floats, Floats]:
-    """Weighted sums over the samples: template by template (R, C, 4 M, 4 M), template by picture
-    (R, C, 4 M) and picture by itself (R, C).
-    """
-    at = samples.floor @ _cells_from_floor(eye, poses, samples.rows)
-    cells = np.asarray(cv2.remap(eye.templates.cells, at, _NO_MAP, cv2.INTER_LINEAR), np.float32)
-    pixels = samples.luma.shape[1]
-    grams, moments, energies = [], [], []
-    for part, values in ((cells[:, :pixels], samples.luma), (cells[:, pixels:], samples.chroma)):
-        model, picture = part[..., 1:], values * part[..., :1]
-        turned = model.transpose(0, 2, 1)
-        grams.append(turned @ model)
-        moments.append((turned @ picture).transpose(0, 2, 1))
-        energies.append(np.einsum("rpc,rpc->rc", picture, picture))
-    gram = np.stack((grams[0], grams[1], grams[1]), axis=1, dtype=np.float64)
-    moment, energy = (np.concatenate(s, axis=1, dtype=np.float64) for s in (moments, energies))
-    return gram, moment, energy
+@compiled
+def _fit_all(
+    image: Bytes, g: Gauge, shapes: Indices, centers: Floats, steps: int,
+    poses: Floats, covariances: Floats, residual_px: Floats, colors: Floats,
+) -> None:  # fmt: skip
+    """Fit tag after tag; poses: start, and outcome."""
+    parts = g.pixels.cells.shape[5]
+    most = min(int(3.2 * (g.radius + 2) ** 2), _MOST_SAMPLES)
+    room = _Room(
+        np.empty((2, 2, most), np.float32), np.empty((2, 3, most), np.float32),
+        np.empty((2, COVERS + 3 * parts + 3 + 4, most), np.float32), np.empty((3, parts + 1)),
+    )  # fmt: skip
+    for n in range(len(poses)):
+        residual_px[n] = _fit_one(
+            image, g, shapes[n], centers[n], steps, room, poses[n], covariances[n]
+        )
+        _to_colors(room.bright, len(g.pixels.noise) == 3, colors[n])
 
 
-def _cells_from_floor(eye: Eye, poses: Floats, rows: Indices) -> Singles:
-    """Matrices (R, 4, 2) that take floor points to cells of the tags' templates."""
-    pitch = 1.0 / eye.templates.cell
-    x, y, theta = poses.T
-    c, s = pitch * np.cos(theta), pitch * np.sin(theta)
-    middle = eye.templates.n // 2
-    matrix = np.empty((len(poses), 4, 2), np.float32)
-    matrix[:, 0, 0], matrix[:, 0, 1] = c, -s
-    matrix[:, 1, 0], matrix[:, 1, 1] = s, c
-    matrix[:, 2, 0], matrix[:, 2, 1] = middle - c * x - s * y, middle + rows + s * x - c * y
-    matrix[:, 3] = (0.0, 1.0)
-    return matrix
+@compiled
+def _fit_one(
+    image: Bytes, g: Gauge, shape: int, center: Floats, steps: int, room: _Room,
+    pose: Floats, covariance: Floats,
+) -> float:  # fmt: skip
+    """Fit a tag; returns the rms misfit as a displacement of edges [px]."""
+    rows, columns = g.level.shape
+    level = g.level[
+        _within(center[1] / PITCH + 0.5, rows), _within(center[0] / PITCH + 0.5, columns)
+    ]
+    scale, turns, counts = g.scales[level], g.pixels.cells.shape[2], np.zeros(2, np.intp)
+    normal, gradient, delta = np.empty((3, 3)), np.empty(3), np.zeros(3)
+    origin, tilt, away, sums = pose.copy(), 0.0, np.inf, (0.0, 0.0, 1.0)
+    for _ in range(steps):
+        if away * scale > _ASTRAY_PX:
+            tilt = _follow(g.nodes, origin, pose, center)
+            origin[:], away = pose, 0.0
+            _collect(image, g, _Spot(level, shape, 0), pose, center, room, counts)
+        turn = int(np.floor((pose[2] - tilt) * (2.0 * turns / np.pi) + 0.5)) % turns
+        local = np.array((pose[0] - origin[0], pose[1] - origin[1], pose[2]))
+        sums = _linearise(g, _Spot(level, shape, turn), local, room, counts, normal, gradient)
+        invert(normal, covariance)
+        length = _step(covariance, gradient, g.arm, pose, delta)
+        away += length
+        if length * scale < _SETTLED_PX:
+            break
+    misfit, slope, freedom = sums
+    gain = delta[0] * gradient[0] + delta[1] * gradient[1] + delta[2] * gradient[2]
+    _turn(covariance, pose[2], max(1.0 - gain / freedom, _LEAST))
+    return float(np.sqrt(max(misfit - gain, _LEAST * misfit) / max(slope, 1e-9)) * scale)
 
 
-def _move(poses: Floats, delta: Floats) -> None:
-    """Add steps (R, 3) in the tags' own frames to poses (R, 3) on the floor."""
-    dx, dy, turn = delta.T
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    poses[:, 0] += c * dx - s * dy
-    poses[:, 1] += s * dx + c * dy
-    poses[:, 2] += turn
+@compiled
+def _within(position: float, count: int) -> int:
+    """Index of a position on an axis, clipped to it."""
+    return int(min(max(position, 0.0), count - 1.0))
 
 
-def _outcome(poses: Floats, step: _Step, delta: Floats, scale: Floats, side_px: Floats) -> Fit:
-    """Gather the outcome of the last step, with what it took off the residuals."""
-    c, s = np.cos(poses[:, 2]), np.sin(poses[:, 2])
-    turn = np.zeros((len(poses), 3, 3))
-    turn[:, 0, 0] = turn[:, 1, 1] = c
-    turn[:, 0, 1], turn[:, 1, 0], turn[:, 2, 2] = -s, s, 1.0
-    gain = np.einsum("ri,ri->r", delta, step.gradient[..., 0])
-    left = np.fmax(1.0 - gain / step.freedom, _LEAST)[:, None, None]
-    covariances = turn @ (left * np.linalg.inv(step.normal)) @ turn.transpose(0, 2, 1)
-    covariances[:, 0, 0] += (_MODEL_PX / scale) ** 2
-    covariances[:, 1, 1] += (_MODEL_PX / scale) ** 2
-    covariances[:, 2, 2] += (_MODEL_TURN_PX / side_px) ** 2
-    misfit = np.fmax(step.misfit - gain, _LEAST * step.misfit)
-    residual = np.sqrt(misfit / np.fmax(step.slope, 1e-9)) * scale
-    colors = step.bright[:, :, :-1].transpose(0, 2, 1) @ BGR_FROM_YCC.T
-    return Fit(poses, covariances, residual, colors)
+@compiled
+def _follow(nodes: Floats, before: Floats, pose: Floats, center: Floats) -> float:
+    """Move a tag's centre in the image as its pose moved; returns the rows' direction there."""
+    a, b, c, d = pixel_slopes(nodes, center[0], center[1])
+    dx, dy = pose[0] - before[0], pose[1] - before[1]
+    center[0] += a * dx + b * dy
+    center[1] += c * dx + d * dy
+    return float(np.arctan2(-c, d))  # one column is (d, -c) / (a d - b c) on the floor
+
+
+@compiled
+def _collect(
+    image: Bytes, g: Gauge, spot: _Spot, pose: Floats, center: Floats, room: _Room, counts: Indices
+) -> None:
+    """Collect the samples around a pose."""
+    x, y = _within(center[0] + 0.5, image.shape[1]), _within(center[1] + 0.5, image.shape[0])
+    window, channels = Window(x, y, g.radius), len(g.pixels.noise)
+    usage = _usage(g.pixels, spot)
+    places, values = room.places[0], room.values[0, :channels]
+    counts[0] = collect_pixels(image, g.nodes, usage, pose, window, places, values)
+    if channels == 1:
+        usage = _usage(g.colors, spot)
+        places, values = room.places[1], room.values[1, :2]
+        counts[1] = collect_colors(
+            image, g.nodes, usage, g.offset, g.mix_rows, pose, window, places, values
+        )
+
+
+@compiled
+def _usage(plane: Plane, spot: _Spot) -> Usage:
+    """Which samples of a tag are used."""
+    level, shape = spot.level, spot.shape
+    return Usage(plane.usage[level, shape], plane.shares[level, shape], plane.cell)
+
+
+@compiled
+def _linearise(
+    g: Gauge, spot: _Spot, local: Floats, room: _Room, counts: Indices,
+    normal: Floats, gradient: Floats,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Set up the normal equations at a pose; returns misfit, slope [1/m^2] and freedom."""
+    normal[:], gradient[:] = 0.0, 0.0
+    normal[0, 0] = normal[1, 1] = _STIFFNESS_M**-2
+    normal[2, 2] = _STIFFNESS_RAD**-2
+    misfit, slope, freedom = _add(g.pixels, spot, 0, local, room, counts, normal, gradient)
+    if len(g.pixels.noise) == 1:
+        more = _add(g.colors, spot, 1, local, room, counts, normal, gradient)
+        misfit, slope, freedom = misfit + more[0], slope + more[1], freedom + more[2]
+    return misfit, slope, freedom
+
+
+@compiled
+def _add(
+    plane: Plane, spot: _Spot, first: int, local: Floats, room: _Room, counts: Indices,
+    normal: Floats, gradient: Floats,
+) -> tuple[float, float, float]:  # fmt: skip
+    """Add the samples of a plane to the normal equations; returns misfit, slope and freedom."""
+    cells, channels = plane.cells[spot.level, spot.shape, spot.turn], len(plane.noise)
+    table, count, parts = room.tables[first], counts[first], cells.shape[2]
+    values, bright = room.values[first, :channels], room.bright[first : first + channels]
+    look_up(cells, plane.cell, local, room.places[first], values, plane.noise, count, table)
+    inverse, own, pull = np.empty((parts + 1, parts + 1)), np.empty((3, 3)), np.empty(3)
+    solve_brightness(table, count, parts, channels, inverse, bright)
+    weights = dot(table[WEIGHT], table[WEIGHT], count)
+    free = (_PRIOR_WEIGHT + max(weights - parts - 1, 1.0)) * plane.independence
+    unit = np.array((1.0 / plane.cell, 1.0 / plane.cell, 1.0))
+    misfit, slope = 0.0, 0.0
+    for channel in range(channels):
+        squares, steep = accumulate(
+            table, count, parts, channel, inverse, bright[channel], own, pull
+        )
+        precision = free / (_PRIOR_WEIGHT * plane.noise[channel] ** 2 + squares)
+        for j in range(3):
+            gradient[j] += precision * unit[j] * pull[j]
+            for k in range(3):
+                normal[j, k] += precision * unit[j] * unit[k] * own[j, k]
+        misfit += precision * squares
+        slope += precision * steep * unit[0] ** 2
+    return misfit, slope, free * channels
+
+
+@compiled
+def _step(inverse: Floats, gradient: Floats, arm: float, pose: Floats, delta: Floats) -> float:
+    """Move a pose by a Gauss-Newton step, at most `_STEP` arms; returns its full length [m]."""
+    for j in range(3):
+        delta[j] = 0.0
+        for k in range(3):
+            delta[j] += inverse[j, k] * gradient[k]
+    length = float(max(np.hypot(delta[0], delta[1]), arm * abs(delta[2])))
+    delta /= max(length / (_STEP * arm), 1.0)
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    pose[0] += c * delta[0] - s * delta[1]
+    pose[1] += s * delta[0] + c * delta[1]
+    pose[2] += delta[2]
+    return length
+
+
+@compiled
+def _turn(covariance: Floats, heading: float, scale: float) -> None:
+    """Turn a covariance from the tag's frame to the floor's, and scale it."""
+    rotation, turned = np.zeros((3, 3)), np.zeros((3, 3))
+    rotation[0, 0] = rotation[1, 1] = np.cos(heading)
+    rotation[1, 0] = np.sin(heading)
+    rotation[0, 1] = -rotation[1, 0]
+    rotation[2, 2] = 1.0
+    for i in range(3):
+        for j in range(3):
+            for p in range(3):
+                for q in range(3):
+                    turned[i, j] += rotation[i, p] * covariance[p, q] * rotation[j, q]
+    covariance[:] = scale * turned
+
+
+@compiled
+def _to_colors(bright: Floats, separate: bool, colors: Floats) -> None:
+    """Colours (K + 1, 3) of the parts and the floor, from brightnesses (3, K + 1), floor first."""
+    parts = len(colors) - 1
+    for k in range(parts + 1):
+        one, two, three = bright[0, 0], bright[1, 0], bright[2, 0]
+        if k < parts:
+            one, two = one + bright[0, k + 1], two + bright[1, k + 1]
+            three = three + bright[2, k + 1]
+        if separate:
+            colors[k, 0], colors[k, 1], colors[k, 2] = one, two, three
+        else:  # luma, blue and red chroma
+            colors[k, 0], colors[k, 2] = one + 1.772 * two, one + 1.402 * three
+            colors[k, 1] = one - 0.344136 * two - 0.714136 * three

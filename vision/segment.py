@@ -1,13 +1,14 @@
-"""From the class image to blobs: connected regions of one colour, with sub-pixel centres."""
+"""From pixels to blobs: connected regions of one colour, with sub-pixel centres, in one pass."""
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.compiled import compiled
+
 Floats = NDArray[np.float64]
-Classes = NDArray[np.uint8]
+Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
 
@@ -31,62 +32,96 @@ class Blobs:
         return len(self.areas)
 
 
-def find_blobs(classes: Classes, min_area: float, limit: int) -> Blobs:
+def find_blobs(classes: Bytes, min_area: float, limit: int) -> Blobs:
     """Find the connected regions of every colour class.
 
     Args:
-        classes: shape (H, W), 0 for nothing.
+        classes: shape (H, W), 0 for nothing, contiguous.
         min_area: smaller blobs are left out [px].
         limit: at most so many blobs, the largest.
 
     Returns:
         The blobs, largest first.
     """
-    at = nonzero_indices(classes)
-    if len(at) == 0:
-        return Blobs(np.zeros(0, np.intp), np.zeros((0, 2)), np.zeros(0))
-    labels = _labels(classes, at).ravel()[at].astype(np.intp)
-    y, x = np.divmod(at, classes.shape[1])
-    areas = np.bincount(labels).astype(np.float64)
-    areas[0] = 0.0  # pixels between two colours, left out by _labels
-    keep = np.flatnonzero(areas >= min_area)
-    keep = keep[np.argsort(-areas[keep], kind="stable")]
-    kept = keep[:limit]
-    sums = np.column_stack((np.bincount(labels, x), np.bincount(labels, y)))
-    class_of = np.zeros(len(areas), np.intp)
-    class_of[labels] = classes.ravel()[at]
-    centers = sums[kept] / areas[kept, None]
-    return Blobs(class_of[kept], centers, areas[kept], len(keep) - len(kept))
+    flat = classes.reshape(-1)
+    words = flat[: len(flat) // 8 * 8].view(np.uint64)
+    most = int(np.count_nonzero(classes)) + 1
+    sums, kinds = np.empty((most, 3)), np.empty(most, np.uint8)
+    count = _label(classes, words, sums, kinds)
+    keep = np.flatnonzero(sums[:count, 0] >= min_area)
+    keep = keep[np.argsort(-sums[keep, 0], kind="stable")]
+    kept = sums[keep[:limit]]
+    kind = kinds[keep[:limit]].astype(np.intp)
+    return Blobs(kind, kept[:, 1:] / kept[:, :1], kept[:, 0], len(keep) - len(kept))
 
 
-def nonzero_indices(classes: Classes) -> Indices:
-    """List the pixels that have a class, quickly where they are few.
+@compiled
+def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes) -> int:
+    """Join pixels with equal neighbours left and above; returns the number of regions.
 
-    Args:
-        classes: shape (H, W), contiguous.
-
-    Returns:
-        Flat indices in ascending order, shape (N,).
+    Regions that turn out to be one are joined by union-find: parent[label] <= label. Where there is
+    nothing, 8 pixels are passed at a time.
     """
-    flat = classes.reshape(-1)
-    whole = len(flat) // 8 * 8
-    words = np.flatnonzero(flat[:whole].view(np.uint64)) * 8
-    at = (words[:, None] + np.arange(8)).reshape(-1)
-    at = np.concatenate((at, np.arange(whole, len(flat))))
-    found: Indices = at[flat[at] != 0]
-    return found
+    rows, columns = classes.shape
+    flat, parent = classes.reshape(-1), np.empty(len(kinds), np.int32)
+    above, count = np.zeros(columns, np.int32), 0
+    for row in range(rows):
+        at, end, left, label = row * columns, (row + 1) * columns, 0, 0
+        while at < end:
+            if at % 8 == 0 and at + 8 <= end and words[at >> 3] == 0:
+                at, left = at + 8, 0
+                continue
+            kind, column = flat[at], at - row * columns
+            if kind != 0:
+                joined = row > 0 and flat[at - columns] == kind
+                if joined:
+                    other = _root(parent, above[column])
+                    if kind == left and other != label:
+                        label = _joined(parent, label, other)
+                    else:
+                        label = other
+                elif kind != left:
+                    label, parent[count], kinds[count] = count, count, kind
+                    sums[count, 0], sums[count, 1], sums[count, 2] = 0.0, 0.0, 0.0
+                    count += 1
+                above[column] = label
+                sums[label, 0] += 1.0
+                sums[label, 1] += column
+                sums[label, 2] += row
+            left, at = kind, at + 1
+    return _compact(parent, sums, kinds, count)
 
 
-def _labels(classes: Classes, at: Indices) -> NDArray[np.integer]:
-    """Label the regions in one pass: pixels that touch another colour above or left are cut out."""
-    flat = classes.reshape(-1)
-    own, left, above = flat[at], flat[at - 1], flat[at - classes.shape[1]]
-    clash = ((left != 0) & (left != own)) | ((above != 0) & (above != own))
-    cut = at[clash]
-    mask = classes
-    if len(cut):
-        mask = classes.copy()
-        mask.reshape(-1)[cut] = 0
-    small = classes.size < 2**17  # a checkerboard has half as many regions as pixels
-    ltype = cv2.CV_16U if small else cv2.CV_32S
-    return np.asarray(cv2.connectedComponents(mask, connectivity=4, ltype=ltype)[1])
+@compiled
+def _joined(parent: NDArray[np.int32], one: int, other: int) -> int:
+    """Make one region of two; returns its label."""
+    one = _root(parent, one)
+    first, last = min(one, other), max(one, other)
+    parent[last] = first
+    return first
+
+
+@compiled
+def _root(parent: NDArray[np.int32], label: int) -> int:
+    """Smallest label of a region; shortens the way to it."""
+    root = label
+    while parent[root] != root:
+        root = parent[root]
+    while parent[label] != root:
+        parent[label], label = root, parent[label]
+    return root
+
+
+@compiled
+def _compact(parent: NDArray[np.int32], sums: Floats, kinds: Bytes, count: int) -> int:
+    """Add up what belongs to one region and close the gaps; returns the number of regions."""
+    for label in range(count):
+        root = _root(parent, label)
+        if root != label:
+            sums[root] += sums[label]
+    regions = 0
+    for label in range(count):
+        if parent[label] == label:
+            sums[regions], kinds[regions] = sums[label], kinds[label]
+            regions += 1
+    return regions

@@ -1,4 +1,9 @@
-"""What a camera sees of a tag's parts: finely sampled, blurred coverage in the tag's frame."""
+"""What a camera sees of a tag's parts: finely sampled, blurred coverage in the tag's frame.
+
+A template is made in the frequency domain, where everything is exact: the polygons, the Gaussian
+lens, the square pixel (whose sides depend on how the tag is turned against the image), averaging
+and mixing of colour samples. Only the last step, sampling, is numerical.
+"""
 
 from dataclasses import dataclass
 
@@ -6,200 +11,165 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.errors import VisionError
 from vision.optics import Optics
 from vision.tags import Tag
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
+Bytes = NDArray[np.uint8]
+Spectrum = NDArray[np.complex128]
 
-_FINE = 5  # coverage is counted on so many points along a cell's side
-_PIXEL_VARIANCE = 1.0 / 12.0  # of the uniform sensitivity over a pixel [px^2]
-_CELLS_PER_PX = 4  # sampling of the template
-_MARGIN_PX = 2.5  # of a template around the tag
-_FARTHEST = 1.0  # pixel of a window from the tag's centre, in sides of the window
-_MOST_ROWS = 32767  # that OpenCV's remap can address
+TURNS = 8
+"""Templates are made for so many headings on the screen within a quarter turn."""
 
-
-@dataclass(frozen=True, slots=True)
-class Template:
-    """Visible coverage of K parts and of everything outside the plate, and its derivatives.
-
-    The channels of a cell: root of the weight; then, multiplied by it, the coverage of K + 1 parts
-    (the last is the outside) and its derivatives with respect to a step forward, a step left [1/m]
-    and a turn [1/rad] of the tag.
-
-    Attributes:
-        cells: shape (n, n, 1 + 4 * (K + 1)), over y (left) and x (forward).
-        n: cells along one side.
-        cell: side of a cell [m].
-    """
-
-    cells: Singles
-    n: int
-    cell: float
+_CELLS_PER_SAMPLE = (2.0, 4.0)  # sampling of a template: coarser where it would have
+_MOST_CELLS = 210  # more cells along its side than this
+_MARGIN_PX = 3.0  # of a template around the tag; of colour, 2 samples
+_LEAST_BLUR_PX = 0.25  # a sharper lens cannot be sampled
+_EDGE = 0.04  # change of a coverage from one sample to the next that tells something of the pose
+_RING = 2  # samples around the tag that show the floor
+_MOST_PIXELS, _MOST_COLORS = (200.0, 900.0), (100.0, 450.0)  # used elsewhere, and at edges
 
 
 @dataclass(frozen=True, slots=True)
 class Templates:
-    """Templates of all shapes and scales, in one array.
+    """Templates of one kind of samples, for all shapes and scales.
 
     Attributes:
-        cells: shape (2 * scales * shapes * pitch, n, 1 + 4 * (K + 1)), see `Template`: all
-            templates below each other, first those of luma, then those of chroma, read-only.
-        chroma_row: row at which those of chroma begin.
-        n: cells along one side of a template.
-        pitch: rows from one template to the next; the gap is empty.
+        cells: shape (L, shapes, TURNS, n, n, K), visible coverage of the K parts over scale, shape,
+            heading on the screen, y (left) and x (forward), read-only.
+        usage: shape (L, shapes, n, n), what a sample at a place of the tag's frame tells: 0
+            nothing, 1 the brightness of a part, 2 also the pose, read-only.
+        shares: shape (L, shapes, 3), of the samples of each usage this share is used, of 2^32 - 1,
+            read-only.
         cell: side of a cell [m].
-        scales: shape (L,), ascending, for which templates were made [px/m].
-        shapes: number of shapes.
-        side: of the largest tag [m].
-        unit: shape (K + 1, K + 1), the unit matrix.
-        parts: K, the largest number of parts.
     """
 
     cells: Singles
-    chroma_row: int
-    n: int
-    pitch: int
+    usage: Bytes
+    shares: NDArray[np.uint32]
     cell: float
-    scales: Floats
-    shapes: int
-    side: float
-    unit: Floats
-    parts: int
 
 
-def stack_templates(
-    tags: tuple[Tag, ...], scales: Floats, optics: Optics, window_px: int
-) -> tuple[Templates, list[Template]]:
+def make_templates(
+    tags: tuple[Tag, ...], scales: Floats, optics: Optics, sample_px: int
+) -> Templates:
     """Make the templates of all scales and shapes.
 
     Args:
         tags: one of every shape.
         scales: shape (L,), ascending [px/m].
         optics: blur of luma and chroma.
-        window_px: side of the window in which the templates will be looked up [px].
+        sample_px: 1 for pixels, 2 for colours as means of 2 x 2 pixels.
 
     Returns:
-        The templates; for every shape the one of luma at the largest scale.
-
-    Raises:
-        VisionError: if there are too many of them.
+        The templates.
     """
     parts = max(len(tag.parts) for tag in tags)
-    cell = 1.0 / (_CELLS_PER_PX * float(scales[-1]))
-    reach = max(tag.outer_radius for tag in tags) + _MARGIN_PX / float(scales[0])
-    luma_px = point_spread(optics.blur_px)
-    chroma_px = point_spread(optics.blur_px, 2, optics.chroma.extra_blur_px)
-    made = [
-        [[make_template(tag, parts, reach, cell, px / scale) for tag in tags] for scale in scales]
-        for px in (luma_px, chroma_px)
-    ]
-    sharp = made[0][-1]
-    n = sharp[0].n
-    farthest = int(np.ceil(_FARTHEST * window_px / float(scales[0]) / cell))
-    gap = np.zeros((max(farthest - n // 2, 0), *sharp[0].cells.shape[1:]), np.float32)
-    stacked = [piece for plane in made for row in plane for t in row for piece in (t.cells, gap)]
-    cells = np.concatenate(stacked)
-    if len(cells) > _MOST_ROWS:
-        raise VisionError(f"{len(tags)} tag shapes at {len(scales)} scales need too many templates")
-    cells.flags.writeable = False
-    pitch = n + len(gap)
-    side, unit = max(tag.side for tag in tags), np.eye(parts + 1)
-    row = len(cells) // 2
-    return Templates(cells, row, n, pitch, cell, scales, len(tags), side, unit, parts), sharp
-
-
-def make_template(tag: Tag, parts: int, reach: float, cell: float, blur: float) -> Template:
-    """Compute a template.
-
-    Args:
-        tag: whose parts to draw.
-        parts: K, at least the tag's number of parts; the others stay empty.
-        reach: half the side of the square that is sampled [m].
-        cell: side of a cell [m].
-        blur: standard deviation of the point spread, including the pixel's own size [m].
-
-    Returns:
-        The template.
-    """
+    margin = (_MARGIN_PX + sample_px - 1.0) / float(scales[0])
+    reach, sample = max(tag.outer_radius for tag in tags) + margin, sample_px / float(scales[-1])
+    cell = sample / float(np.clip(_MOST_CELLS * sample / (2.0 * reach), *_CELLS_PER_SAMPLE))
     n = 2 * int(np.ceil(reach / cell)) + 1
-    axis = np.asarray((np.arange(n) - n // 2) * cell, np.float64)
-    visible = np.zeros((parts + 1, n, n))
-    for index, parent in enumerate(tag.parents):
-        covered = _coverage(tag.parts[index].polygon, axis, cell)
-        visible[index] += covered
-        if parent >= 0:
-            visible[parent] -= covered
-    # Cells are means over squares and will be interpolated: both blur already, cell^2 / 4 together.
-    sigma = np.sqrt(max((blur / cell) ** 2 - 0.25, 0.01))
-    visible = np.stack([_blurred(image, sigma) for image in visible])
-    visible[parts] = 1.0 - visible[:parts].sum(axis=0)
-    slope_y, slope_x = np.asarray(np.gradient(visible, cell, axis=(1, 2)))
-    turn = axis[:, None] * slope_x - axis[None, :] * slope_y
-    root = np.sqrt(_weight(visible[parts]))
-    stack = np.concatenate((root[None], root * np.concatenate((visible, -slope_x, -slope_y, turn))))
-    return Template(np.ascontiguousarray(np.moveaxis(stack, 0, -1), np.float32), n, cell)
+    spectra = [_spectra(tag, n, cell) for tag in tags]
+    cells = np.zeros((len(scales), len(tags), TURNS, n, n, parts), np.float32)
+    for level, scale in enumerate(scales.tolist()):
+        for turn in range(TURNS):
+            spread = _point_spread(n, cell, sample_px / scale, turn, optics, sample_px)
+            for shape, spectrum in enumerate(spectra):
+                images = np.fft.irfft2(spectrum * spread, s=(n, n)) / cell**2
+                images = np.roll(images, (n // 2, n // 2), axis=(1, 2))
+                cells[level, shape, turn, :, :, : len(images)] = np.moveaxis(images, 0, -1)
+    usage = np.array([[_usage(shape[0], sample / cell) for shape in level] for level in cells])
+    most = _MOST_PIXELS if sample_px == 1 else _MOST_COLORS
+    shares = np.array([[_shares(u, sample / cell, most) for u in level] for level in usage])
+    for array in (cells, usage, shares):
+        array.flags.writeable = False
+    return Templates(cells, usage, shares, cell)
 
 
-def point_spread(blur_px: float, pixels: int = 1, extra_px: float = 0.0) -> float:
-    """Standard deviation of lens and pixel together.
-
-    Args:
-        blur_px: of the lens, standard deviation [px].
-        pixels: side of the square of pixels that is averaged.
-        extra_px: of anything else, standard deviation [px].
-
-    Returns:
-        The standard deviation [px].
-    """
-    return float(np.sqrt(blur_px**2 + extra_px**2 + _PIXEL_VARIANCE * pixels**2))
-
-
-def sample_points(template: Template, part: int, count: int) -> Floats:
+def sample_points(templates: Templates, shape: int, part: int, count: int) -> Floats:
     """Pick points deep inside what is visible of a part.
 
     Args:
-        template: of the tag.
+        templates: of all shapes.
+        shape: index of the geometry.
         part: index of the part.
         count: at most so many points.
 
     Returns:
         Points in the tag's frame, shape (M, 2), 1 <= M <= count [m].
     """
-    coverage = template.cells[..., 1 + part].reshape(-1)
+    coverage = templates.cells[-1, shape, 0, :, :, part]
     inside = np.flatnonzero(coverage >= 0.85 * coverage.max())
     chosen = inside[np.linspace(0, len(inside) - 1, 2 * count + 1).astype(int)[1::2]]
-    y, x = np.divmod(chosen, template.n)
-    points: Floats = np.column_stack((x, y)).astype(np.float64)
-    points -= template.n // 2
-    points *= template.cell
+    y, x = np.divmod(chosen, coverage.shape[1])
+    points: Floats = (np.column_stack((x, y)) - coverage.shape[0] // 2) * templates.cell
     return points
 
 
-def _coverage(polygon: Floats, axis: Floats, cell: float) -> Floats:
-    """Share of every cell that a polygon covers, shape (n, n)."""
-    offsets = ((np.arange(_FINE) + 0.5) / _FINE - 0.5) * cell
-    fine = (axis[:, None] + offsets).reshape(-1)
-    inside = np.zeros((len(fine), len(fine)), bool)
+def _spectra(tag: Tag, n: int, cell: float) -> Spectrum:
+    """Fourier transforms (K, n, n // 2 + 1) of what is visible of the parts."""
+    kx, ky = _frequencies(n, cell)
+    own = np.stack([_polygon_spectrum(part.polygon, kx, ky) for part in tag.parts])
+    visible = own.copy()
+    for index, parent in enumerate(tag.parents):
+        if parent >= 0:
+            visible[parent] -= own[index]
+    return visible
+
+
+def _frequencies(n: int, cell: float) -> tuple[Floats, Floats]:
+    """Angular frequencies along x and y [rad/m], as `irfft2` orders them."""
+    turns = 2.0 * np.pi / cell
+    kx, ky = np.meshgrid(turns * np.fft.rfftfreq(n), turns * np.fft.fftfreq(n))
+    return kx, ky
+
+
+def _polygon_spectrum(polygon: Floats, kx: Floats, ky: Floats) -> Spectrum:
+    """Fourier transform of a polygon's inside: by Gauss' theorem a sum over its edges."""
+    total, area = np.zeros(kx.shape, np.complex128), 0.0
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        rows = np.flatnonzero((y0 > fine) != (y1 > fine))
-        crossing = x0 + (fine[rows] - y0) * (x1 - x0) / (y1 - y0 if y1 != y0 else 1.0)
-        inside[rows] ^= fine < crossing[:, None]
-    n = len(axis)
-    share: Floats = inside.reshape(n, _FINE, n, _FINE).mean(axis=(1, 3))
-    return share
+        dx, dy = x1 - x0, y1 - y0
+        middle = np.exp(-0.5j * (kx * (x0 + x1) + ky * (y0 + y1)))
+        total += (kx * dy - ky * dx) * middle * np.sinc((kx * dx + ky * dy) / (2.0 * np.pi))
+        area += 0.5 * (x0 * y1 - x1 * y0)
+    square = kx * kx + ky * ky
+    square[0, 0] = 1.0
+    total *= 1j / square
+    total[0, 0] = area
+    return total if area > 0.0 else -total
 
 
-def _blurred(image: Floats, sigma: float) -> Floats:
-    """Gaussian blur, with nothing beyond the border; sigma in cells."""
-    size = 2 * int(np.ceil(4.0 * sigma)) + 1
-    return np.asarray(
-        cv2.GaussianBlur(image, (size, size), sigma, borderType=cv2.BORDER_CONSTANT), np.float64
-    )
+def _point_spread(
+    n: int, cell: float, width: float, turn: int, optics: Optics, sample_px: int
+) -> Floats:
+    """Transfer function of lens and samples (n, n // 2 + 1); width of a sample in m."""
+    kx, ky = _frequencies(n, cell)
+    blur = max(optics.blur_px, _LEAST_BLUR_PX) * width / sample_px
+    lens = np.exp(-0.5 * blur**2 * (kx * kx + ky * ky))
+    c, s = np.cos(turn * np.pi / 2.0 / TURNS), np.sin(turn * np.pi / 2.0 / TURNS)
+    for k in (c * kx - s * ky, s * kx + c * ky):  # along the sides of the sample
+        lens *= np.sinc(k * width / (2.0 * np.pi))
+        if sample_px > 1 and optics.chroma.mixed:  # with its neighbours, 1 : 6 : 1
+            lens *= 0.75 + 0.25 * np.cos(k * width)
+    interpolated = np.sinc(kx * cell / (2.0 * np.pi)) * np.sinc(ky * cell / (2.0 * np.pi))
+    return np.asarray(lens / interpolated**2, np.float64)
 
 
-def _weight(outside: Floats) -> Floats:
-    """Weight of a pixel: 1 on the tag and its blurred edge, 0 where only the floor is seen."""
-    return np.clip((0.999 - outside) / 0.03, 0.0, 1.0)
+def _usage(cells: Singles, step: float) -> Bytes:
+    """Usage of every place of a template (n, n, K) with so many cells per sample."""
+    change = np.zeros(cells.shape[:2], np.float32)
+    for axis in (0, 1):
+        slope = np.abs(np.gradient(cells, axis=axis)).max(axis=2) * step
+        change = np.maximum(change, slope)
+    width = 2 * round(_RING * step) + 1
+    covered = (cells.sum(axis=2) > 0.5).astype(np.uint8)
+    near = cv2.dilate(covered, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (width, width)))
+    return np.where(change > _EDGE, 2 * (near > 0), near > 0).astype(np.uint8)
+
+
+def _shares(usage: Bytes, step: float, most: tuple[float, float]) -> NDArray[np.uint32]:
+    """How samples are thinned out where there are many, of 2^32 - 1."""
+    counts = [max(np.count_nonzero(usage == kind) / step**2, 1.0) for kind in (1, 2)]
+    shares = [min(limit / count, 1.0) for limit, count in zip(most, counts, strict=True)]
+    return np.array([0.0, *(0xFFFFFFFF * share for share in shares)]).astype(np.uint32)

@@ -25,7 +25,6 @@ from tests.vision.worlds import (
 )
 from vision.errors import VisionError
 from vision.eye import Thresholds
-from vision.floor_map import floor_map
 from vision.frame import Frame, as_frame
 from vision.locate import Prediction, locate
 from vision.scene import Scene
@@ -156,7 +155,10 @@ def painted(frame: Frame, world: World, pose: np.ndarray, part: int, bgr: tuple[
     image = frame.image.copy()
     eye = world.eye
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    away = floor_map(eye.camera)[..., :2] - pose[:2]
+    h, w = image.shape[:2]
+    x, y = np.meshgrid(np.arange(w), np.arange(h))
+    pixels = np.column_stack((x.ravel(), y.ravel())).astype(float)
+    away = eye.camera.to_floor(pixels, eye.camera.tag_height).reshape(h, w, 2) - pose[:2]
     u, v = c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]
     polygon = eye.tags.tags[0].parts[part].polygon
     low, high = polygon.min(axis=0) - 0.003, polygon.max(axis=0) + 0.003
