@@ -1,5 +1,6 @@
 """`make bench`: all timings in one run, as a table and as build/bench.json."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -9,7 +10,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from benchmarks import loop, vision
+from benchmarks import bound_table, loop, vision
 from benchmarks.timing import Timed
 
 OUT = Path("build/bench.json")
@@ -17,6 +18,13 @@ OUT = Path("build/bench.json")
 
 def main() -> None:
     """Measure, print, write."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("only", nargs="?", choices=("bound",), help="the fit beside its bound")
+    parser.add_argument("--quick", action="store_true", help="fewer cases")
+    asked = parser.parse_args()
+    if asked.only == "bound":
+        bound_table.measure(asked.quick)
+        return
     print(f"load average {os.getloadavg()[0]:.2f} on {os.cpu_count()} cores\n")
     times = [row for name in ("paper", "cascade") for row in vision.measure(name)]
     floors = {row.name: row for row in times}
