@@ -5,13 +5,16 @@ these are unknown, in blue, green and red. Its slope by x, y and heading comes f
 own exact coverage. With J the derivative of the picture by all 3 + 3 (K + 1) unknowns and S the
 covariance of what the sensor adds, the bound is the upper left of (J^T S^-1 J)^-1.
 
-Two kinds of pictures. "444": every pixel's three channels have noise of their own, are rounded to
-8 bit and clipped. "420": what is left of them are the brightness of every pixel and the colour mean
-of every 2 x 2 pixels; the same noise in these sums, correlated as they share pixels. JPEG throws
-away more, in ways that no linear noise describes: the bound of "420" is also a bound for it.
+Three kinds of pictures. "444": every pixel's three channels have noise of their own, are rounded
+to 8 bit and clipped. "420": what is left of them are the brightness of every pixel and the colour
+mean of every 2 x 2 pixels; the same noise in these sums, correlated as they share pixels. JPEG
+besides: its rounding errors are no noise, but look like it; their covariance within 2 x 2 pixels is
+measured beside tags and robots, that between such blocks is left out.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from math import ceil
 
 import numpy as np
@@ -21,7 +24,7 @@ from scipy.special import ndtr
 from datasets.coverage import polygon_coverage
 from datasets.sensor import SensorModel
 from vision.camera import CameraModel
-from vision.palette import YCC_FROM_BGR, NamedColor
+from vision.palette import BGR_FROM_YCC, YCC_FROM_BGR, NamedColor
 from vision.tags import Tag
 
 Floats = NDArray[np.float64]
@@ -31,6 +34,7 @@ _STEP_PX = 1e-3  # of the derivative
 _ROUNDING = 1.0 / 12.0  # variance of rounding to whole numbers
 _GREY = np.arange(256.0)
 _UNLIKELY = 1e-12
+_LEAST = 1e-6  # information of a pixel far beyond what the sensor can show
 _MEANS = np.linspace(0.0, 255.0, 1021)  # for which the information of a pixel is worked out
 
 
@@ -42,37 +46,104 @@ class Slopes:
         picture: shape (B, 12), brightness of pixel and channel: pixels row by row, BGR in each.
         by_pose: shape (B, 12, 3), its derivative by x, y, theta [per m, per m, per rad].
         by_color: shape (B, 12, 3 (K + 1)), by blue, green and red of all parts and the floor.
+        window: first column and row, width and height of the blocks in the picture [px], all even.
     """
 
     picture: Floats
     by_pose: Floats
     by_color: Floats
+    window: tuple[int, int, int, int]
 
 
-def bound(slopes: Slopes, noise: float, chroma: str, colors_known: bool = False) -> Floats:
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """What the sensor adds.
+
+    Attributes:
+        sigma: standard deviation in every channel before digitising, of 255.
+        chroma: what is kept of the colours, "444" or "420".
+        measured: shape (6, 6), covariance of a block's 4 brightnesses and 2 colour means, for "420"
+            with errors that are not known otherwise; None: what sigma gives.
+    """
+
+    sigma: float
+    chroma: str
+    measured: Floats | None = None
+
+    def weighted(self, slope: Floats, picture: Floats) -> tuple[Floats, Floats]:
+        """What the sensor keeps of a picture's slopes, with and without the noise's inverse.
+
+        Args:
+            slope: shape (B, 12, P).
+            picture: shape (B, 12), brightness [0..255].
+
+        Returns:
+            S^-1 J and J, shape (B, 12, P) or, of what 4:2:0 keeps, (B, 6, P).
+        """
+        told = np.interp(picture, _MEANS, _table(self.sigma))
+        if self.chroma == "444":
+            return told[..., None] * slope, slope
+        kept = _KEPT @ slope
+        spread = self.measured
+        if spread is None:
+            spread = (_KEPT / np.maximum(told, _LEAST)[:, None]) @ _KEPT.T + _KEPT_ROUNDING
+        return np.asarray(np.linalg.solve(spread, kept), np.float64), kept
+
+
+def bound(slopes: Slopes, noise: Noise, colors_known: bool = False) -> Floats:
     """Smallest covariance of an unbiased estimate of a pose.
 
     Args:
         slopes: of the picture.
-        noise: standard deviation in every channel before digitising, of 255.
-        chroma: "444" or "420".
+        noise: of the sensor.
         colors_known: whether the brightness of parts and floor is known beforehand.
 
     Returns:
         Covariance of x, y, theta, shape (3, 3) [m^2, m rad, rad^2].
     """
     parts = (slopes.by_pose,) if colors_known else (slopes.by_pose, slopes.by_color)
-    slope = np.concatenate(parts, axis=2)
-    told = np.interp(slopes.picture, _MEANS, information(_MEANS, noise))
-    if chroma == "444":
-        total = np.einsum("bip,bi,biq->pq", slope, told, slope)
-    else:
-        kept = _KEPT @ slope
-        spread = (_KEPT / np.maximum(told, 1e-6)[:, None]) @ _KEPT.T + np.diag(_KEPT_ROUNDING)
-        total = np.einsum("bkp,bkq->pq", kept, np.linalg.solve(spread, kept))
-    scale = np.sqrt(np.diag(total))
-    inverse: Floats = np.linalg.inv(total / np.outer(scale, scale)) / np.outer(scale, scale)
-    return inverse[:3, :3]
+    weighted, kept = noise.weighted(np.concatenate(parts, axis=2), slopes.picture)
+    return _inverse(np.einsum("bkp,bkq->pq", kept, weighted))[:3, :3]
+
+
+def exact_error(slopes: Slopes, seen: Floats, noise: Noise) -> Floats:
+    """Error of the best linear estimate about the true pose, with the renderer's own model.
+
+    What this reaches can be reached: it tells whether the bound is right.
+
+    Args:
+        slopes: at the true pose.
+        seen: what is left of a picture of it, see `left_over`.
+        noise: of the sensor.
+
+    Returns:
+        Shape (3,) [m, m, rad].
+    """
+    slope = np.concatenate((slopes.by_pose, slopes.by_color), axis=2)
+    weighted, kept = noise.weighted(slope, slopes.picture)
+    gradient = np.einsum("bkp,bk->p", weighted, seen)
+    error: Floats = (_inverse(np.einsum("bkp,bkq->pq", kept, weighted)) @ gradient)[:3]
+    return error
+
+
+def left_over(every: Sequence[Slopes], image: NDArray[np.uint8], chroma: str) -> list[Floats]:
+    """What a picture shows beyond the noise-free one.
+
+    Args:
+        every: R tags in the picture, at their true poses.
+        image: shape (H, W, 3), BGR.
+        chroma: "444" or "420"; colours are taken to be filled in linearly, which is undone.
+
+    Returns:
+        For every tag the difference in its blocks, shape (B, 12) or, of what 4:2:0 keeps, (B, 6).
+    """
+    seen = image.astype(float) if chroma == "444" else _unmixed(image)
+    found = []
+    for slopes in every:
+        x, y, w, h = slopes.window
+        change = _blocks(seen[y : y + h, x : x + w, :, None])[..., 0] - slopes.picture
+        found.append(change if chroma == "444" else change @ _KEPT.T)
+    return found
 
 
 def information(means: Floats, noise: float) -> Floats:
@@ -132,7 +203,40 @@ def make_slopes(
         _blocks((seen @ palette)[..., None])[..., 0],
         _blocks(np.stack(by_pose, axis=-1)),
         _blocks(by_color),
+        rectangle,
     )
+
+
+def _inverse(matrix: Floats) -> Floats:
+    """Inverse of a symmetric matrix whose rows have different units."""
+    scale = np.sqrt(np.diag(matrix))
+    both = np.outer(scale, scale)
+    inverse: Floats = np.linalg.inv(matrix / both) / both
+    return inverse
+
+
+def _unmixed(image: NDArray[np.uint8]) -> Floats:
+    """Undo linear upsampling of the colours: each mean of 2 x 2 pixels is given back."""
+    h, w = image.shape[0] // 2, image.shape[1] // 2
+    ycc = image[: 2 * h, : 2 * w].astype(float) @ YCC_FROM_BGR.T
+    means = ycc[..., 1:].reshape(h, 2, w, 2, 2).mean(axis=(1, 3))
+    means = np.einsum("ij,jkc,lk->ilc", _unmixing(h), means, _unmixing(w), optimize=True)
+    ycc[..., 1:] = means.repeat(2, axis=0).repeat(2, axis=1)
+    unmixed: Floats = ycc @ BGR_FROM_YCC.T
+    return unmixed
+
+
+def _unmixing(count: int) -> Floats:
+    """Inverse of what upsampling and taking means do to a row of samples, shape (n, n)."""
+    mixing = 0.75 * np.eye(count) + 0.125 * (np.eye(count, k=1) + np.eye(count, k=-1))
+    mixing[0, 0] = mixing[-1, -1] = 0.875
+    return np.asarray(np.linalg.inv(mixing), np.float64)
+
+
+@cache
+def _table(noise: float) -> Floats:
+    """Information of a pixel at `_MEANS`."""
+    return information(_MEANS, noise)
 
 
 def _kept() -> Floats:
@@ -143,7 +247,9 @@ def _kept() -> Floats:
 
 
 _KEPT = _kept()
-_KEPT_ROUNDING = _ROUNDING * np.array([1.0, 1.0, 1.0, 1.0, 1.25, 1.25])  # mean of 4, then itself
+_KEPT_ROUNDING = np.diag(
+    _ROUNDING * np.array([1.0, 1.0, 1.0, 1.0, 1.25, 1.25])
+)  # mean of 4, then itself
 
 
 def _point(pose: Floats, camera: CameraModel) -> Floats:

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Sequence
-from itertools import groupby
+from itertools import groupby, pairwise
 from time import perf_counter
 
 import numpy as np
@@ -41,31 +41,36 @@ def _print_ratios(rows: Sequence[Spread]) -> None:
     sizes = [px for px in PLATES_PX if any(row.plate_px == px for row in rows)]
     print("\nrms error / Cramer-Rao bound of the tracked fit: position / heading, by plate size\n")
     print(f"{'picture':12} {'blur':>5} {'noise':>5}  " + " ".join(f"{px:>8} px" for px in sizes))
-    key = _codec_blur_noise
-    for (codec, blur, noise), same in groupby(sorted(rows, key=key), key):
+    for (codec, blur, noise), same in groupby(sorted(rows, key=_order), _order):
         texts = (f"{row.ratio:5.2f}/{row.heading_ratio:5.2f}" for row in same)
         print(f"{CODECS[codec]:12} {blur:5.1f} {noise:5.0f}  " + " ".join(texts))
 
 
 def _print_parts(rows: Sequence[Spread]) -> None:
-    print("\nnoise 3, blur 0.6: rms = spread + bias that depends on the pose + common bias\n")
     print(
-        f"{'picture':12} {'plate':>6} {'rms':>9} {'bound':>8} {'bias':>8} {'common':>9}   "
-        f"{'rms':>8} {'bound':>8} {'bias':>9} {'NEES':>6} {'found':>7}"
+        "\nnoise 3, blur 0.6; bias: the part that depends on the pose, and the part that does not\n"
     )
-    for r in sorted(rows, key=_codec_blur_noise):
+    print(
+        f"{'picture':12} {'plate':>6} {'rms mm':>7} {'bound':>7} {'bias':>6} {'common':>7}   "
+        f"{'rms deg':>7} {'bound':>7} {'bias':>6} {'NEES':>6} {'found':>7} {'astray':>7} {'exact':>12}"
+    )
+    for r in sorted(rows, key=_order):
         if (r.noise, r.blur_px) == (3.0, 0.6):
             print(
-                f"{r.codec:12} {r.plate_px:3} px {r.rms_mm:6.3f} mm {r.bound_mm:8.3f} "
-                f"{r.bias_mm:8.3f} {r.common_mm:6.3f} mm   {r.rms_deg:8.3f} {r.bound_deg:8.3f} "
-                f"{r.bias_deg:5.3f} deg {r.nees:6.1f} {r.recall:7.2%}"
+                f"{r.codec:12} {r.plate_px:3} px {r.rms_mm:7.3f} {r.bound_mm:7.3f} "
+                f"{r.bias_mm:6.3f} {r.common_mm:7.3f}   {r.rms_deg:7.3f} {r.bound_deg:7.3f} "
+                f"{r.bias_deg:6.3f} {r.nees:6.1f} {r.recall:7.1%} {r.astray:7.2%} "
+                f"{r.exact_ratio:6.2f}/{r.exact_heading_ratio:5.2f}"
             )
-    print("(NEES: squared error in units of the fit's own covariance; 3 is honest)")
+    print("NEES: squared error in units of the fit's own covariance; 3 is honest.")
+    print(
+        "astray: more than a pixel off. exact: what the renderer's own model reaches, rms / bound."
+    )
 
 
 def _print_places(every: Sequence[Trials]) -> None:
     print("\nwhere in all cases: position / heading ratio by heading and by place in the pixel\n")
-    steps = [f"{a} to {b} deg" for a, b in zip(_HEADINGS_DEG, _HEADINGS_DEG[1:], strict=False)]
+    steps = [f"{a} to {b} deg" for a, b in pairwise(_HEADINGS_DEG)]
     phases = ["middle of a pixel", "edge of a pixel", "corner of pixels"]
     print(f"{'picture':12} " + " ".join(f"{text:>17}" for text in (*steps, *phases)))
     for codec in CODECS:
@@ -74,7 +79,7 @@ def _print_places(every: Sequence[Trials]) -> None:
         off = np.abs(np.concatenate([t.places - np.rint(t.places) for t in chosen])) > 0.25
         groups = [*(np.searchsorted(_HEADINGS_DEG, turns, "right") == k + 1 for k in range(6))]
         groups += [off.sum(axis=1) == k for k in range(3)]
-        place, turn = (np.concatenate(squares) for squares in zip(*map(_normalised, chosen)))
+        place, turn = np.concatenate([_normalised(trials) for trials in chosen], axis=1)
         texts = (f"{place[g].mean() ** 0.5:.2f}/{turn[g].mean() ** 0.5:.2f}" for g in groups)
         print(f"{codec:12} " + " ".join(f"{text:>17}" for text in texts))
 
@@ -91,7 +96,7 @@ def _print_verdict(rows: Sequence[Spread]) -> None:
         )
 
 
-def _codec_blur_noise(row: Spread) -> tuple[int, float, float]:
+def _order(row: Spread) -> tuple[int, float, float]:
     return CODECS.index(row.codec), row.blur_px, row.noise
 
 

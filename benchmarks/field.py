@@ -63,8 +63,8 @@ class Field:
             The frame.
         """
         states = tuple(
-            RobotState(robot_id, UnicycleState(*pose, 0.0, 0.0))
-            for robot_id, pose in zip(self.eye.tags.ids, poses.tolist(), strict=True)
+            RobotState(robot_id, UnicycleState(x, y, theta, 0.0, 0.0))
+            for robot_id, (x, y, theta) in zip(self.eye.tags.ids, poses.tolist(), strict=True)
         )
         return as_frame(self.renderer.render(states, number / 30.0), number / 30.0, number)
 
@@ -80,8 +80,8 @@ class Field:
         """
         near = poses + rng.standard_normal(poses.shape) * OFF
         return tuple(
-            Prediction(robot_id, Pose2D(*row), np.diag(OFF**2))
-            for robot_id, row in zip(self.eye.tags.ids, near.tolist(), strict=True)
+            Prediction(robot_id, Pose2D(x, y, theta), np.diag(OFF**2))
+            for robot_id, (x, y, theta) in zip(self.eye.tags.ids, near.tolist(), strict=True)
         )
 
 

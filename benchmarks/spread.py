@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.bound import Slopes, bound, make_slopes
+from benchmarks.bound import Noise, Slopes, bound, exact_error, left_over, make_slopes
 from benchmarks.field import (
     COLORS,
     MOUNT,
@@ -20,7 +20,8 @@ from benchmarks.field import (
 )
 from control.geometry import wrap_angle
 from datasets.floor import Floor
-from datasets.sensor import SensorModel
+from datasets.sensor import Chroma, SensorModel
+from vision.frame import Frame
 from vision.locate import locate
 
 Floats = NDArray[np.float64]
@@ -29,7 +30,8 @@ PLATES_PX = (8, 10, 12, 16, 24, 32)
 NOISES = (1.0, 3.0, 6.0)
 BLURS_PX = (0.4, 0.6, 1.0)
 CODECS = ("444", "420", "420 jpeg 85")
-ROBOTS, SIZE_PX = 7, (320, 240)
+ROBOTS, SIZE_PX = 7, (400, 300)
+_FREE_PX = 9  # of floor around every tag, as the bound takes it
 PLAIN = Floor(texture=0.0, line_width=0.0)
 
 
@@ -56,7 +58,12 @@ class Case:
         """The camera's sensor, under even light."""
         quality = 85 if "jpeg" in self.codec else None
         plain = SensorModel(self.noise, self.blur_px, jpeg_quality=quality, chroma="444")
-        return plain if self.codec == "444" else replace(plain, chroma="420")
+        return replace(plain, chroma=self.kept)
+
+    @property
+    def kept(self) -> Chroma:
+        """What the codec keeps of the colours."""
+        return "444" if self.codec == "444" else "420"
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +81,7 @@ class Trials:
             it is honest.
         means: shape (P, 3), mean error of every pose over its noisy pictures [m, m, rad].
         repeats: pictures of every pose.
+        exact: shape (T, 3), errors of an estimate with the renderer's own model [m, m, rad].
     """
 
     case: Case
@@ -85,6 +93,7 @@ class Trials:
     nees: Floats
     means: Floats
     repeats: int
+    exact: Floats
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +106,7 @@ class Spread:
         blur_px: of the lens [px].
         codec: one of `CODECS`.
         recall: share of the robots found.
+        astray: share of the fits that ended more than a pixel off.
         rms_mm: position error in the plane, root mean square [mm].
         rms_deg: heading error [deg].
         bound_mm: what an unbiased method could reach at best [mm].
@@ -107,6 +117,8 @@ class Spread:
         bias_deg: systematic part of the heading error [deg].
         common_mm: mean error over all poses, in the plane [mm].
         nees: mean; 3 if the fit's covariance is honest.
+        exact_ratio: rms to bound, of the position, with the renderer's own model: within reach.
+        exact_heading_ratio: the same for the heading.
     """
 
     plate_px: float
@@ -114,6 +126,7 @@ class Spread:
     blur_px: float
     codec: str
     recall: float
+    astray: float
     rms_mm: float
     rms_deg: float
     bound_mm: float
@@ -124,6 +137,8 @@ class Spread:
     bias_deg: float
     common_mm: float
     nees: float
+    exact_ratio: float
+    exact_heading_ratio: float
 
 
 def cases(quick: bool) -> list[Case]:
@@ -153,23 +168,30 @@ def run(case: Case, layouts: int = 6, repeats: int = 5) -> Trials:
         Errors and bounds.
     """
     field, rng = make_case_field(case), np.random.default_rng(7)
-    tags, camera = field.eye.tags, field.eye.camera
-    sets = [strewn(camera, tags.outer_radius, ROBOTS, rng) for _ in range(layouts)]
-    errors = np.full((layouts, repeats, ROBOTS, 3), np.nan)
-    nees = np.full((layouts, repeats, ROBOTS), np.nan)
-    bounds = np.empty((layouts, repeats, ROBOTS, 3, 3))
-    for k, poses in enumerate(sets):
-        bounds[k] = [_bound(field, case, n, pose) for n, pose in enumerate(poses)]
-        for again in range(repeats):
-            number = k * repeats + again
-            errors[k, again], nees[k, again] = _fitted(field, poses, number, rng)
+    camera, shape = field.eye.camera, (layouts, repeats, ROBOTS)
+    room = field.eye.tags.outer_radius + _FREE_PX * SIDE / case.plate_px
+    sets = [strewn(camera, room, ROBOTS, rng) for _ in range(layouts)]
+    slopes = [[_slopes(field, case, n, pose) for n, pose in enumerate(poses)] for poses in sets]
+    every = [(k, k * repeats + again) for k in range(layouts) for again in range(repeats)]
+    frames = [field.picture(sets[k], number) for k, number in every]
+    fits = [_fitted(field, sets[k], frames[number], rng) for k, number in every]
+    errors = np.array([fit[0] for fit in fits]).reshape(*shape, 3)
+    nees = np.array([fit[1] for fit in fits]).reshape(shape)
+    seen = [left_over(slopes[k], frames[number].image, case.kept) for k, number in every]
+    noise = _noise(case, seen)
+    bounds = np.array([[bound(s, noise) for s in row] for row in slopes])
+    pairs = [pair for k, n in every for pair in zip(slopes[k], seen[n], strict=True)]
+    exact = np.array([exact_error(slope, found, noise) for slope, found in pairs])
     found = ~np.isnan(nees)
     true = np.repeat(np.array(sets)[:, None], repeats, axis=1)[found]
+    bounds = np.repeat(bounds[:, None], repeats, axis=1)[found]
     places = camera.project(np.column_stack((true[:, :2], np.full(len(true), TAG_HEIGHT))))
     means = errors.mean(axis=1).reshape(-1, 3)
+    means = means[~np.isnan(means[:, 0])]
     missed = int(np.count_nonzero(~found))
-    figures = errors[found], bounds[found], nees[found], means[~np.isnan(means[:, 0])]
-    return Trials(case, missed, true, places, *figures, repeats)
+    return Trials(
+        case, missed, true, places, errors[found], bounds, nees[found], means, repeats, exact
+    )
 
 
 def make_case_field(case: Case) -> Field:
@@ -204,6 +226,7 @@ def summed(trials: Trials) -> Spread:
         case.blur_px,
         case.codec,
         recall=len(errors) / (len(errors) + trials.missed),
+        astray=float((np.hypot(*errors[:, :2].T) > SIDE / case.plate_px).mean()),
         rms_mm=1e3 * place,
         rms_deg=float(turn),
         bound_mm=1e3 * float(least),
@@ -214,17 +237,19 @@ def summed(trials: Trials) -> Spread:
         bias_deg=float(np.degrees(_bias(trials, slice(2, 3)))),
         common_mm=1e3 * float(np.hypot(*errors[:, :2].mean(axis=0))),
         nees=float(trials.nees.mean()),
+        exact_ratio=float(_rms(trials.exact[:, :2]) / least),
+        exact_heading_ratio=float(np.degrees(_rms(trials.exact[:, 2:])) / least_turn),
     )
 
 
 def _fitted(
-    field: Field, poses: Floats, number: int, rng: np.random.Generator
+    field: Field, poses: Floats, frame: Frame, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
     """Errors (R, 3) and their normalised squares (R,) in one picture; NaN for robots not found."""
     ids = field.eye.tags.ids
     errors, nees = np.full((len(ids), 3), np.nan), np.full(len(ids), np.nan)
     expected = field.predictions(poses, rng)
-    for d in locate(field.picture(poses, number), field.eye, expected).detections:
+    for d in locate(frame, field.eye, expected).detections:
         n = ids.index(d.robot_id)
         error = np.array((d.pose.x, d.pose.y, d.pose.theta)) - poses[n]
         error[2] = wrap_angle(error[2])
@@ -240,16 +265,24 @@ def _bias(trials: Trials, axes: slice) -> float:
     return float(np.sqrt(max((n * means - every) / (n - 1), 0.0)))
 
 
+def _noise(case: Case, seen: list[list[Floats]]) -> Noise:
+    """The sensor's noise; what JPEG adds is measured in the pictures themselves."""
+    if "jpeg" not in case.codec:
+        return Noise(case.noise, case.kept)
+    blocks = np.concatenate([found for picture in seen for found in picture])
+    return Noise(case.noise, case.kept, blocks.T @ blocks / len(blocks))
+
+
 _SLOPES: dict[tuple[float, float, int, bytes], Slopes] = {}
 
 
-def _bound(field: Field, case: Case, n: int, pose: Floats) -> Floats:
-    """The bound of robot n; cases that differ in noise and codec only share the slopes."""
+def _slopes(field: Field, case: Case, n: int, pose: Floats) -> Slopes:
+    """Slopes of robot n's picture, shared by cases that differ in noise and codec only."""
     key = case.plate_px, case.blur_px, n, pose.tobytes()
     if key not in _SLOPES:
         tag, camera = field.eye.tags.tags[n], field.eye.camera
         _SLOPES[key] = make_slopes(tag, pose, camera, field.sensor, COLORS, case.floor.bgr)
-    return bound(_SLOPES[key], case.noise, "444" if case.codec == "444" else "420")
+    return _SLOPES[key]
 
 
 def _rms(errors: Floats) -> float:
