@@ -90,40 +90,28 @@ class Noise:
         return np.asarray(np.linalg.solve(spread, kept), np.float64), kept
 
 
-def bound(slopes: Slopes, noise: Noise, colors_known: bool = False) -> Floats:
-    """Smallest covariance of an unbiased estimate of a pose.
+def best_estimate(
+    slopes: Slopes, noise: Noise, colors_known: bool = False
+) -> tuple[Floats, Floats]:
+    """The bound, and the linear estimate that reaches it near the true pose.
+
+    What the estimate reaches can be reached: it tells whether the bound is right.
 
     Args:
-        slopes: of the picture.
+        slopes: of the picture, N numbers kept of it in all.
         noise: of the sensor.
         colors_known: whether the brightness of parts and floor is known beforehand.
 
     Returns:
-        Covariance of x, y, theta, shape (3, 3) [m^2, m rad, rad^2].
+        Smallest covariance of x, y, theta, shape (3, 3) [m^2, m rad, rad^2]; shape (3, N): times
+        what `left_over` finds, it gives the estimate's error [m, m, rad].
     """
     parts = (slopes.by_pose,) if colors_known else (slopes.by_pose, slopes.by_color)
     weighted, kept = noise.weighted(np.concatenate(parts, axis=2), slopes.picture)
-    return _inverse(np.einsum("bkp,bkq->pq", kept, weighted))[:3, :3]
-
-
-def exact_error(slopes: Slopes, seen: Floats, noise: Noise) -> Floats:
-    """Error of the best linear estimate about the true pose, with the renderer's own model.
-
-    What this reaches can be reached: it tells whether the bound is right.
-
-    Args:
-        slopes: at the true pose.
-        seen: what is left of a picture of it, see `left_over`.
-        noise: of the sensor.
-
-    Returns:
-        Shape (3,) [m, m, rad].
-    """
-    slope = np.concatenate((slopes.by_pose, slopes.by_color), axis=2)
-    weighted, kept = noise.weighted(slope, slopes.picture)
-    gradient = np.einsum("bkp,bk->p", weighted, seen)
-    error: Floats = (_inverse(np.einsum("bkp,bkq->pq", kept, weighted)) @ gradient)[:3]
-    return error
+    count = weighted.shape[2]
+    weighted, kept = weighted.reshape(-1, count), kept.reshape(-1, count)
+    inverse = _inverse(kept.T @ weighted)[:3]
+    return inverse[:, :3], inverse @ weighted.T
 
 
 def left_over(every: Sequence[Slopes], image: NDArray[np.uint8], chroma: str) -> list[Floats]:
@@ -135,14 +123,14 @@ def left_over(every: Sequence[Slopes], image: NDArray[np.uint8], chroma: str) ->
         chroma: "444" or "420"; colours are taken to be filled in linearly, which is undone.
 
     Returns:
-        For every tag the difference in its blocks, shape (B, 12) or, of what 4:2:0 keeps, (B, 6).
+        For every tag the differences, shape (12 B,) or, of what 4:2:0 keeps, (6 B,).
     """
     seen = image.astype(float) if chroma == "444" else _unmixed(image)
     found = []
     for slopes in every:
         x, y, w, h = slopes.window
         change = _blocks(seen[y : y + h, x : x + w, :, None])[..., 0] - slopes.picture
-        found.append(change if chroma == "444" else change @ _KEPT.T)
+        found.append((change if chroma == "444" else change @ _KEPT.T).reshape(-1))
     return found
 
 
@@ -219,7 +207,8 @@ def _unmixed(image: NDArray[np.uint8]) -> Floats:
     """Undo linear upsampling of the colours: each mean of 2 x 2 pixels is given back."""
     h, w = image.shape[0] // 2, image.shape[1] // 2
     ycc = image[: 2 * h, : 2 * w].astype(float) @ YCC_FROM_BGR.T
-    means = ycc[..., 1:].reshape(h, 2, w, 2, 2).mean(axis=(1, 3))
+    rows = ycc[0::2, :, 1:] + ycc[1::2, :, 1:]
+    means = 0.25 * (rows[:, 0::2] + rows[:, 1::2])
     means = np.einsum("ij,jkc,lk->ilc", _unmixing(h), means, _unmixing(w), optimize=True)
     ycc[..., 1:] = means.repeat(2, axis=0).repeat(2, axis=1)
     unmixed: Floats = ycc @ BGR_FROM_YCC.T

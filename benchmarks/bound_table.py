@@ -52,7 +52,8 @@ def _print_parts(rows: Sequence[Spread]) -> None:
     )
     print(
         f"{'picture':12} {'plate':>6} {'rms mm':>7} {'bound':>7} {'bias':>6} {'common':>7}   "
-        f"{'rms deg':>7} {'bound':>7} {'bias':>6} {'NEES':>6} {'found':>7} {'astray':>7} {'exact':>12}"
+        f"{'rms deg':>7} {'bound':>7} {'bias':>6} {'NEES':>6} {'found':>7} "
+        f"{'astray':>7} {'exact':>12}"
     )
     for r in sorted(rows, key=_order):
         if (r.noise, r.blur_px) == (3.0, 0.6):

@@ -1,10 +1,13 @@
 """Robots strewn over a field, a camera that draws them, and an eye that looks for them."""
 
 from dataclasses import dataclass
+from functools import cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from control.command import RobotId
 from control.geometry import Pose2D
 from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
@@ -16,7 +19,7 @@ from vision.eye import Eye, make_eye
 from vision.frame import Frame, as_frame
 from vision.locate import Prediction
 from vision.optics import ChromaModel, Optics
-from vision.palette import NamedColor, palette_from_colors
+from vision.palette import NamedColor, Palette, palette_from_colors
 from vision.tags import Layout, Part, TagSet, polygon_array
 
 Floats = NDArray[np.float64]
@@ -33,8 +36,8 @@ COLORS = (
     NamedColor("cyan", (180, 155, 10)),
     NamedColor("orange", (10, 110, 235)),
     NamedColor("violet", (200, 40, 110)),
+    NamedColor("white", (230, 235, 233)),  # of printed codes
 )
-NAMES = tuple(color.name for color in COLORS[1:])
 OFF = np.array([0.003, 0.003, np.radians(3.0)])  # of predictions, standard deviation [m, m, rad]
 
 
@@ -62,11 +65,7 @@ class Field:
         Returns:
             The frame.
         """
-        states = tuple(
-            RobotState(robot_id, UnicycleState(x, y, theta, 0.0, 0.0))
-            for robot_id, (x, y, theta) in zip(self.eye.tags.ids, poses.tolist(), strict=True)
-        )
-        return as_frame(self.renderer.render(states, number / 30.0), number / 30.0, number)
+        return draw(self.renderer, self.eye.tags.ids, poses, number)
 
     def predictions(self, poses: Floats, rng: np.random.Generator) -> tuple[Prediction, ...]:
         """What an estimator would expect: the truth, off by `OFF`.
@@ -78,11 +77,46 @@ class Field:
         Returns:
             One prediction per robot.
         """
-        near = poses + rng.standard_normal(poses.shape) * OFF
-        return tuple(
-            Prediction(robot_id, Pose2D(x, y, theta), np.diag(OFF**2))
-            for robot_id, (x, y, theta) in zip(self.eye.tags.ids, near.tolist(), strict=True)
-        )
+        return predicted(self.eye.tags.ids, poses, rng)
+
+
+def draw(renderer: Renderer, ids: tuple[RobotId, ...], poses: Floats, number: int) -> Frame:
+    """Take a picture of robots.
+
+    Args:
+        renderer: the camera.
+        ids: of R robots.
+        poses: shape (R, 3) [m, m, rad].
+        number: of the frame; its noise depends on it.
+
+    Returns:
+        The frame.
+    """
+    states = tuple(
+        RobotState(robot_id, UnicycleState(x, y, theta, 0.0, 0.0))
+        for robot_id, (x, y, theta) in zip(ids, poses.tolist(), strict=True)
+    )
+    return as_frame(renderer.render(states, number / 30.0), number / 30.0, number)
+
+
+def predicted(
+    ids: tuple[RobotId, ...], poses: Floats, rng: np.random.Generator
+) -> tuple[Prediction, ...]:
+    """What an estimator would expect: the truth, off by `OFF`.
+
+    Args:
+        ids: of R robots.
+        poses: shape (R, 3), true [m, m, rad].
+        rng: source of the errors.
+
+    Returns:
+        One prediction per robot.
+    """
+    near = poses + rng.standard_normal(poses.shape) * OFF
+    return tuple(
+        Prediction(robot_id, Pose2D(x, y, theta), np.diag(OFF**2))
+        for robot_id, (x, y, theta) in zip(ids, near.tolist(), strict=True)
+    )
 
 
 def make_field(
@@ -99,11 +133,16 @@ def make_field(
     Returns:
         The field.
     """
-    used = tuple(color for color in COLORS if color.name in tags.colors)
-    palette = palette_from_colors(used, noise=max(sensor.read_noise, 1.0))
+    palette = _palette(tags.colors, sensor.read_noise)
     chroma = ChromaModel(sensor.chroma, sensor.chroma_offset_px, sensor.chroma_upsampling)
     eye = make_eye(camera, tags, palette, Optics(sensor.blur_px, sensor.read_noise, chroma))
     return Field(eye, Renderer(camera, tags, COLORS, sensor, 0, floor), sensor)
+
+
+@cache
+def _palette(names: tuple[str, ...], noise: float) -> Palette:
+    used = tuple(color for color in COLORS if color.name in names)
+    return palette_from_colors(used, noise=max(noise, 1.0))
 
 
 def make_camera(size_px: tuple[int, int], field_width: float = 2.4) -> CameraModel:
@@ -167,18 +206,50 @@ TWO_PATCH = Layout(
 )
 
 
+THREE_PATCH = Layout(
+    "three_patch",
+    (
+        Part("plate", box(-37.5, 37.5, -37.5, 37.5), "black"),
+        Part("front", box(3, 32, -32, 32), "$front"),
+        Part("left", box(-32, -3, 3, 32), "$left"),
+        Part("right", box(-32, -3, -32, -3), "$right"),
+    ),
+    mirror_twins=True,
+)
+FRONTS = ("yellow", "cyan")
+REARS = ("red", "green", "blue", "magenta", "orange", "violet")
+
+
+@cache
 def two_patch(count: int) -> TagSet:
-    """Robots with two patches: the first colours in front, one colour after the other behind.
+    """Robots told apart by a patch in front and one behind.
 
     Args:
-        count: of robots, at most 15.
+        count: of robots, at most 12.
 
     Returns:
         Their tags.
     """
-    pairs = [(front, rear) for front in ("yellow", "cyan") for rear in NAMES]
-    pairs = [(f, r) for f, r in pairs if f != r and (f, r) != ("cyan", "yellow")]
-    worn = (
-        TWO_PATCH.worn_by(n, (("$front", f), ("$rear", r))) for n, (f, r) in enumerate(pairs, 1)
-    )
+    pairs = enumerate(product(FRONTS, REARS), 1)
+    worn = (TWO_PATCH.worn_by(n, (("$front", f), ("$rear", r))) for n, (f, r) in pairs)
     return TagSet(tuple(worn)[:count])
+
+
+@cache
+def three_patch(count: int) -> TagSet:
+    """Robots told apart by a patch in front and two behind.
+
+    With two patches both of which vary, a tag turned by 180 deg would be that of another robot.
+
+    Args:
+        count: of robots, at most 72.
+
+    Returns:
+        Their tags.
+    """
+    triples = enumerate(product(FRONTS, REARS, REARS), 1)
+    worn = (
+        THREE_PATCH.worn_by(n, (("$front", f), ("$left", a), ("$right", b)))
+        for n, (f, a, b) in triples
+    )
+    return TagSet(tuple(worn)[:count], mirror_twins=True)

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.bound import Noise, Slopes, bound, exact_error, left_over, make_slopes
+from benchmarks.bound import Noise, Slopes, best_estimate, left_over, make_slopes
 from benchmarks.field import (
     COLORS,
     MOUNT,
@@ -179,11 +179,12 @@ def run(case: Case, layouts: int = 6, repeats: int = 5) -> Trials:
     nees = np.array([fit[1] for fit in fits]).reshape(shape)
     seen = [left_over(slopes[k], frames[number].image, case.kept) for k, number in every]
     noise = _noise(case, seen)
-    bounds = np.array([[bound(s, noise) for s in row] for row in slopes])
-    pairs = [pair for k, n in every for pair in zip(slopes[k], seen[n], strict=True)]
-    exact = np.array([exact_error(slope, found, noise) for slope, found in pairs])
+    best = [[best_estimate(s, noise) for s in row] for row in slopes]
+    pairs = [pair for k, n in every for pair in zip(best[k], seen[n], strict=True)]
+    exact = np.array([gain @ found for (_, gain), found in pairs])
     found = ~np.isnan(nees)
     true = np.repeat(np.array(sets)[:, None], repeats, axis=1)[found]
+    bounds = np.array([[covariance for covariance, _ in row] for row in best])
     bounds = np.repeat(bounds[:, None], repeats, axis=1)[found]
     places = camera.project(np.column_stack((true[:, :2], np.full(len(true), TAG_HEIGHT))))
     means = errors.mean(axis=1).reshape(-1, 3)
@@ -269,7 +270,7 @@ def _noise(case: Case, seen: list[list[Floats]]) -> Noise:
     """The sensor's noise; what JPEG adds is measured in the pictures themselves."""
     if "jpeg" not in case.codec:
         return Noise(case.noise, case.kept)
-    blocks = np.concatenate([found for picture in seen for found in picture])
+    blocks = np.concatenate([found for picture in seen for found in picture]).reshape(-1, 6)
     return Noise(case.noise, case.kept, blocks.T @ blocks / len(blocks))
 
 
