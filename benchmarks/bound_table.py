@@ -8,7 +8,8 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.spread import CODECS, PLATES_PX, Spread, Trials, cases, run, summed
+from benchmarks.cases import CODECS, PLATES_PX, cases
+from benchmarks.spread import Spread, Trials, run, summed
 
 TARGETS = {"444": 1.3, "420": 2.0, "420 jpeg 85": 2.0}  # rms to bound
 _HEADINGS_DEG = np.arange(0, 91, 15)  # every quarter turn shows the pixels the same square

@@ -36,19 +36,7 @@ def aruco(camera: CameraModel, tuned: bool) -> Look:
         The detector.
     """
     small = tuned and SIDE * _scale(camera) < _SMALL_PX
-    options = cv2.aruco.DetectorParameters()
-    if tuned:
-        options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-        options.cornerRefinementWinSize = 3 if camera.size_px[0] < 1000 else 5
-        options.adaptiveThreshWinSizeMax, options.adaptiveThreshWinSizeStep = (
-            (15 if small else 9),
-            4,
-        )
-        options.polygonalApproxAccuracyRate = 0.05 if small else 0.03
-        options.perspectiveRemoveIgnoredMarginPerCell = 0.25
-        options.perspectiveRemovePixelPerCell = 8
-        options.minMarkerPerimeterRate = options.minMarkerDistanceRate = 0.02
-        options.minDistanceToBorder = 1
+    options = _tuned(camera, small) if tuned else cv2.aruco.DetectorParameters()
     detector = cv2.aruco.ArucoDetector(cv2.aruco.getPredefinedDictionary(ARUCO), options)
     factor = _ENLARGED if small else 1
 
@@ -155,6 +143,20 @@ def _paired(patches: Sequence[_Patch], ids: dict[tuple[str, str], RobotId]) -> S
                 middle = 0.5 * (front.place + rear.place)
                 best[robot_id] = error, np.array([*middle, np.arctan2(ahead[1], ahead[0])])
     return [(robot_id, pose) for robot_id, (_, pose) in best.items()]
+
+
+def _tuned(camera: CameraModel, small: bool) -> cv2.aruco.DetectorParameters:
+    """The best of dozens of combinations tried on such pictures."""
+    options = cv2.aruco.DetectorParameters()
+    options.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
+    options.cornerRefinementWinSize = 3 if camera.size_px[0] < 1000 else 5
+    options.adaptiveThreshWinSizeMax, options.adaptiveThreshWinSizeStep = (15 if small else 9), 4
+    options.polygonalApproxAccuracyRate = 0.05 if small else 0.03
+    options.perspectiveRemoveIgnoredMarginPerCell = 0.25
+    options.perspectiveRemovePixelPerCell = 8
+    options.minMarkerPerimeterRate = options.minMarkerDistanceRate = 0.02
+    options.minDistanceToBorder = 1
+    return options
 
 
 def _bgr_of(tags: TagSet) -> list[tuple[str, tuple[int, int, int]]]:

@@ -1,69 +1,20 @@
 """The fit's errors beside the Cramer-Rao bound, over size, noise, blur and codec."""
 
-from dataclasses import dataclass, replace
-from itertools import product
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.bound import Noise, Slopes, best_estimate, left_over, make_slopes
-from benchmarks.field import (
-    COLORS,
-    MOUNT,
-    SIDE,
-    TAG_HEIGHT,
-    Field,
-    make_camera,
-    make_field,
-    strewn,
-    two_patch,
-)
+from benchmarks.cases import ROBOTS, Case, make_case_field
+from benchmarks.field import COLORS, SIDE, TAG_HEIGHT, Field, strewn
 from control.geometry import wrap_angle
-from datasets.floor import Floor
-from datasets.sensor import Chroma, SensorModel
 from vision.frame import Frame
 from vision.locate import locate
 
 Floats = NDArray[np.float64]
 
-PLATES_PX = (8, 10, 12, 16, 24, 32)
-NOISES = (1.0, 3.0, 6.0)
-BLURS_PX = (0.4, 0.6, 1.0)
-CODECS = ("444", "420", "420 jpeg 85")
-ROBOTS, SIZE_PX = 7, (400, 300)
 _FREE_PX = 9  # of floor around every tag, as the bound takes it
-PLAIN = Floor(texture=0.0, line_width=0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """What the camera is like.
-
-    Attributes:
-        plate_px: side of a robot's plate in the picture [px].
-        noise: of the sensor, of 255.
-        blur_px: of the lens [px].
-        codec: one of `CODECS`.
-        floor: under the robots.
-    """
-
-    plate_px: float
-    noise: float
-    blur_px: float
-    codec: str
-    floor: Floor = PLAIN
-
-    @property
-    def sensor(self) -> SensorModel:
-        """The camera's sensor, under even light."""
-        quality = 85 if "jpeg" in self.codec else None
-        plain = SensorModel(self.noise, self.blur_px, jpeg_quality=quality, chroma="444")
-        return replace(plain, chroma=self.kept)
-
-    @property
-    def kept(self) -> Chroma:
-        """What the codec keeps of the colours."""
-        return "444" if self.codec == "444" else "420"
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,21 +92,6 @@ class Spread:
     exact_heading_ratio: float
 
 
-def cases(quick: bool) -> list[Case]:
-    """What is measured.
-
-    Args:
-        quick: only some sizes and blurs at noise 3.
-
-    Returns:
-        The cases, those that share poses one after the other.
-    """
-    if quick:
-        return [Case(p, 3.0, b, c) for p, b, c in product((8, 10, 16, 32), (0.6, 1.0), CODECS)]
-    every = product(PLATES_PX, BLURS_PX, NOISES, CODECS)
-    return [Case(p, n, b, c) for p, b, n, c in every]
-
-
 def run(case: Case, layouts: int = 6, repeats: int = 5) -> Trials:
     """Fit robots in noisy pictures, tracked from predictions some millimetres off.
 
@@ -168,44 +104,27 @@ def run(case: Case, layouts: int = 6, repeats: int = 5) -> Trials:
         Errors and bounds.
     """
     field, rng = make_case_field(case), np.random.default_rng(7)
-    camera, shape = field.eye.camera, (layouts, repeats, ROBOTS)
     room = field.eye.tags.outer_radius + _FREE_PX * SIDE / case.plate_px
-    sets = [strewn(camera, room, ROBOTS, rng) for _ in range(layouts)]
+    sets = np.array([strewn(field.eye.camera, room, ROBOTS, rng) for _ in range(layouts)])
+    shots = _shots(field, sets, repeats, rng)
     slopes = [[_slopes(field, case, n, pose) for n, pose in enumerate(poses)] for poses in sets]
-    every = [(k, k * repeats + again) for k in range(layouts) for again in range(repeats)]
-    frames = [field.picture(sets[k], number) for k, number in every]
-    fits = [_fitted(field, sets[k], frames[number], rng) for k, number in every]
-    errors = np.array([fit[0] for fit in fits]).reshape(*shape, 3)
-    nees = np.array([fit[1] for fit in fits]).reshape(shape)
-    seen = [left_over(slopes[k], frames[number].image, case.kept) for k, number in every]
-    noise = _noise(case, seen)
-    best = [[best_estimate(s, noise) for s in row] for row in slopes]
-    pairs = [pair for k, n in every for pair in zip(best[k], seen[n], strict=True)]
-    exact = np.array([gain @ found for (_, gain), found in pairs])
+    bounds, exact = _best(case, slopes, shots)
+    errors = np.array([shot.errors for shot in shots])  # (layouts * repeats, R, 3)
+    true, nees = sets.repeat(repeats, axis=0), np.array([shot.nees for shot in shots])
     found = ~np.isnan(nees)
-    true = np.repeat(np.array(sets)[:, None], repeats, axis=1)[found]
-    bounds = np.array([[covariance for covariance, _ in row] for row in best])
-    bounds = np.repeat(bounds[:, None], repeats, axis=1)[found]
-    places = camera.project(np.column_stack((true[:, :2], np.full(len(true), TAG_HEIGHT))))
-    means = errors.mean(axis=1).reshape(-1, 3)
-    means = means[~np.isnan(means[:, 0])]
-    missed = int(np.count_nonzero(~found))
+    means = errors.reshape(layouts, repeats, -1, 3).mean(axis=1).reshape(-1, 3)
     return Trials(
-        case, missed, true, places, errors[found], bounds, nees[found], means, repeats, exact
+        case,
+        missed=int(np.count_nonzero(~found)),
+        poses=true[found],
+        places=_places(field, true[found]),
+        errors=errors[found],
+        bounds=bounds.repeat(repeats, axis=0)[found],
+        nees=nees[found],
+        means=means[~np.isnan(means[:, 0])],
+        repeats=repeats,
+        exact=exact,
     )
-
-
-def make_case_field(case: Case) -> Field:
-    """A field as a case wants it.
-
-    Args:
-        case: what the camera is like.
-
-    Returns:
-        The field, with 7 robots.
-    """
-    width = SIZE_PX[0] * SIDE / case.plate_px * MOUNT / (MOUNT - TAG_HEIGHT)
-    return make_field(make_camera(SIZE_PX, width), two_patch(ROBOTS), case.sensor, case.floor)
 
 
 def summed(trials: Trials) -> Spread:
@@ -243,6 +162,26 @@ def summed(trials: Trials) -> Spread:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class _Shot:
+    """A picture of one set of poses: errors (R, 3) and NEES (R,), NaN for robots not found."""
+
+    layout: int
+    frame: Frame
+    errors: Floats
+    nees: Floats
+
+
+def _shots(field: Field, sets: Floats, repeats: int, rng: np.random.Generator) -> list[_Shot]:
+    """Draw every set of poses several times, with noise of its own, and fit the robots."""
+    shots = []
+    for number in range(len(sets) * repeats):
+        layout = number // repeats
+        frame = field.picture(sets[layout], number)
+        shots.append(_Shot(layout, frame, *_fitted(field, sets[layout], frame, rng)))
+    return shots
+
+
 def _fitted(
     field: Field, poses: Floats, frame: Frame, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
@@ -256,6 +195,25 @@ def _fitted(
         error[2] = wrap_angle(error[2])
         errors[n], nees[n] = error, error @ np.linalg.solve(d.covariance, error)
     return errors, nees
+
+
+def _best(case: Case, slopes: list[list[Slopes]], shots: list[_Shot]) -> tuple[Floats, Floats]:
+    """Bounds (layouts, R, 3, 3), and the errors (T, 3) of the estimate that reaches them."""
+    seen = [left_over(slopes[shot.layout], shot.frame.image, case.kept) for shot in shots]
+    noise = _noise(case, seen)
+    best = [[best_estimate(s, noise) for s in row] for row in slopes]
+    pairs = [
+        zip(best[shot.layout], found, strict=True) for shot, found in zip(shots, seen, strict=True)
+    ]
+    exact = [gain @ found for every in pairs for (_, gain), found in every]
+    bounds = [[covariance for covariance, _ in row] for row in best]
+    return np.array(bounds), np.array(exact)
+
+
+def _places(field: Field, poses: Floats) -> Floats:
+    """Where the centres of tags at poses (T, 3) appear, (T, 2) [px]."""
+    points = np.column_stack((poses[:, :2], np.full(len(poses), TAG_HEIGHT)))
+    return field.eye.camera.project(points)
 
 
 def _bias(trials: Trials, axes: slice) -> float:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.bound import Noise, best_estimate, information, left_over, make_slopes
+from benchmarks.cases import PLAIN, Case, make_case_field
 from benchmarks.field import COLORS
-from benchmarks.spread import PLAIN, Case, Spread, make_case_field, run, summed
+from benchmarks.spread import Spread, run, summed
 
 POSE = np.array([0.47, 0.38, 0.7])
 
