@@ -13,7 +13,7 @@ import cv2
 from benchmarks import bound_table, loop, tables, vision
 from benchmarks.machine import describe
 
-OUT = Path("build/bench.json")
+OUT = Path("build")
 PARTS = ("vision", "peers", "loop", "bound")
 
 
@@ -37,9 +37,10 @@ def main() -> None:
     if "bound" in parts:
         quick = options.quick or parts != ["bound"]
         result["bound"] = tables.plain(bound_table.measure(quick))
-    OUT.parent.mkdir(exist_ok=True)
-    OUT.write_text(json.dumps(result, indent=1) + "\n")
-    print(f"\nwritten: {OUT}, after {perf_counter() - start:.0f} s")
+    OUT.mkdir(exist_ok=True)
+    out = OUT / ("-".join(["bench", *options.only]) + ".json")
+    out.write_text(json.dumps(result, indent=1) + "\n")
+    print(f"\nwritten: {out}, after {perf_counter() - start:.0f} s")
 
 
 def _options() -> argparse.Namespace:

@@ -32,7 +32,7 @@ from vision.tags import TagSet
 
 Floats = NDArray[np.float64]
 
-SENSOR = SensorModel(read_noise=3.0, blur_px=0.6, chroma="420")
+SENSOR = SensorModel(read_noise=3.0, blur_px=0.6, uneven_light=0.3, chroma="420")  # of `paper`
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy as np
 
@@ -20,6 +20,8 @@ class Timed:
         median_us: median [us].
         p90_us: 90th percentile [us].
         max_us: longest [us].
+        cpu_us: median of what the processor spent on it; on a busy machine it is less than the
+            median, which counts the time in which other programs had the processor [us].
         rounds: calls that were timed.
     """
 
@@ -27,6 +29,7 @@ class Timed:
     median_us: float
     p90_us: float
     max_us: float
+    cpu_us: float
     rounds: int
 
 
@@ -41,16 +44,17 @@ def interleaved(calls: Sequence[Call], rounds: int, longest_s: float) -> list[Ti
     Returns:
         One row per call, in the given order.
     """
-    times: list[list[float]] = [[] for _ in calls]
+    times: list[list[tuple[float, float]]] = [[] for _ in calls]
     every = [_pace(call, rounds, longest_s) for call in calls]
     for turn in range(-(rounds // 10), rounds):
         for call, pace, row in zip(calls, every, times, strict=True):
             if turn % pace:
                 continue
-            start = perf_counter()
+            start, busy = perf_counter(), process_time()
             call()
+            end = perf_counter(), process_time()
             if turn >= 0:
-                row.append(perf_counter() - start)
+                row.append((end[0] - start, end[1] - busy))
     return [_timed(np.array(row)) for row in times]
 
 
@@ -63,5 +67,7 @@ def _pace(call: Call, rounds: int, longest_s: float) -> int:
 
 
 def _timed(times: np.ndarray) -> Timed:
-    shortest, middle, high, longest = 1e6 * np.percentile(times, (0, 50, 90, 100))
-    return Timed(float(shortest), float(middle), float(high), float(longest), len(times))
+    """Sum up times and processor times, shape (N, 2) [s]."""
+    shortest, middle, high, longest = 1e6 * np.percentile(times[:, 0], (0, 50, 90, 100))
+    busy = 1e6 * float(np.median(times[:, 1]))
+    return Timed(float(shortest), float(middle), float(high), float(longest), busy, len(times))

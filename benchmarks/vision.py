@@ -40,7 +40,7 @@ class Row:
         size: e.g. "320x240".
         robots: how many there are.
         time: what it takes; None if it could not be run.
-        floor_ratio: median to that of packing the picture and looking its colours up.
+        floor_ratio: processor time to that of packing the picture and looking its colours up.
         accuracy: what it finds; None for floors.
     """
 
@@ -74,7 +74,7 @@ def measure(setting: Setting, with_peers: bool) -> list[Row]:
     _tell(setting, f"times of {len(calls)} calls in turns")
     names, timed = [name for name, _ in calls], [call for _, call in calls]
     times = dict(zip(names, interleaved(timed, setting.rounds, _LONGEST_S), strict=True))
-    floor = times[names[FLOOR]].median_us
+    floor = times[names[FLOOR]].cpu_us
     names += [method.name for method in methods if not method.look]
     return [_row(setting, name, times.get(name), floor, found.get(name)) for name in names]
 
@@ -101,7 +101,7 @@ def _row(
     setting: Setting, name: str, time: Timed | None, floor: float, found: Accuracy | None
 ) -> Row:
     size = "{}x{}".format(*setting.size_px)
-    ratio = time.median_us / floor if time else None
+    ratio = time.cpu_us / floor if time else None
     return Row(name, size, setting.robots, time, ratio, found)
 
 
