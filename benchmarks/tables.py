@@ -20,7 +20,8 @@ def print_rows(rows: Sequence[Row]) -> None:
         print(f"{size}, {robots} robots")
         print(
             f"  {'':36} {'min':>8} {'median':>8} {'p90':>8} {'max us':>8} {'cpu us':>8} "
-            f"{'x floor':>8} {'recall':>8} {'false/1000':>10} {'rms mm':>7} {'rms deg':>8} {'pictures':>8}"
+            f"{'x floor':>8} {'recall':>8} {'false/1000':>10} {'rms mm':>7} "
+            f"{'rms deg':>8} {'pictures':>8}"
         )
         for row in same:
             print(f"  {row.name:36} {_times(row)}{_errors(row)}")
