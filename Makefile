@@ -31,9 +31,12 @@ check: install
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# One peer has wheels for some machines only: where it cannot be had, its row is left out.
 bench: install
 	@mkdir -p $(BUILD)
-	$(BIN)/python -m benchmarks
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps \
+		-r constraints-bench.txt || echo "pupil-apriltags: no package for this machine"
+	$(BIN)/python -m benchmarks $(ARGS)
 
 picture: install
 	$(BIN)/python docs/picture.py

@@ -1,44 +1,56 @@
-"""`make bench`: all timings in one run, as a table and as build/bench.json."""
+"""`make bench`: everything in one run, as tables and as build/bench.json."""
 
+import argparse
 import json
-import os
 import subprocess
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from benchmarks import loop, vision
-from benchmarks.timing import Timed
+import cv2
 
-OUT = Path("build/bench.json")
+from benchmarks import bound_table, loop, tables, vision
+from benchmarks.machine import describe
+
+OUT = Path("build")
+PARTS = ("vision", "peers", "loop", "bound")
 
 
 def main() -> None:
     """Measure, print, write."""
-    print(f"load average {os.getloadavg()[0]:.2f} on {os.cpu_count()} cores\n")
-    times = [row for name in ("paper", "cascade") for row in vision.measure(name)]
-    floors = {row.name: row for row in times}
-    print(f"{'vision':60} {'p50 us':>9} {'p99 us':>9} {'x floor':>8}")
-    for row in times:
-        print(f"{row.name:60} {row.p50_us:9.0f} {row.p99_us:9.0f} {_ratio(row, floors):>8}")
-    loops = [loop.measure(name) for name in ("paper", "moving-start", "cascade")]
-    print(f"\n{'loop, as fast as it goes':40} {'x real time':>12} {'p50 ms':>8} {'p99 ms':>8}")
-    for run in loops:
-        factor = f"{run.real_time_factor:.1f}"
-        print(f"{run.scenario:40} {factor:>12} {run.p50_ms:8.2f} {run.p99_ms:8.2f}")
-    print("(p50, p99: from a frame's hand-over until its commands are with the radio)")
-    help_s = _help_time()
-    print(f"\nechelon --help: {help_s:.2f} s")
-    OUT.parent.mkdir(exist_ok=True)
-    rows = {"vision": [asdict(r) for r in times], "loop": [asdict(r) for r in loops]}
-    OUT.write_text(json.dumps({**rows, "help_s": help_s}, indent=1) + "\n")
-    print(f"written: {OUT}")
+    options = _options()
+    cv2.setNumThreads(1)
+    parts = options.only or PARTS
+    machine, start = describe(), perf_counter()
+    print(f"{machine.sentence()}\n")
+    result: dict[str, object] = {"machine": tables.plain(machine)}
+    if "vision" in parts or "peers" in parts:
+        rows = [row for s in vision.SETTINGS for row in vision.measure(s, "peers" in parts)]
+        tables.print_rows(rows)
+        result["vision"] = [tables.flat(row) for row in rows]
+    if "loop" in parts:
+        loops = [loop.measure(name) for name in ("paper", "moving-start", "cascade")]
+        help_s = _help_time()
+        tables.print_loops(loops, help_s)
+        result |= {"loop": tables.plain(loops), "help_s": help_s}
+    if "bound" in parts:
+        quick = options.quick or parts != ["bound"]
+        result["bound"] = tables.plain(bound_table.measure(quick))
+    OUT.mkdir(exist_ok=True)
+    out = OUT / ("-".join(["bench", *options.only]) + ".json")
+    out.write_text(json.dumps(result, indent=1) + "\n")
+    print(f"\nwritten: {out}, after {perf_counter() - start:.0f} s")
 
 
-def _ratio(row: Timed, floors: dict[str, Timed]) -> str:
-    return f"{row.p50_us / floors[row.floor].p50_us:.1f}" if row.floor else ""
+def _options() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("part", nargs="?", choices=PARTS, help="measure this part only")
+    parser.add_argument("--only", action="append", choices=PARTS, help="the same, repeatable")
+    parser.add_argument("--quick", action="store_true", help="fewer cases of the bound")
+    options = parser.parse_args()
+    options.only = [*(options.only or []), *([options.part] if options.part else [])]
+    return options
 
 
 def _help_time() -> float:
