@@ -10,7 +10,8 @@ from pipeline.rigs import make_renderer, make_world
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_setup
 from vision.frame import as_frame
-from vision.locate import Prediction, locate
+from vision.light import PALETTE_LIGHT
+from vision.locate import Prediction
 
 FRAMES, ROUNDS = 16, 300
 DOUBT = np.diag([0.004**2, 0.004**2, 0.06**2])  # of a prediction over one frame [m^2, rad^2]
@@ -27,7 +28,7 @@ def measure(name: str) -> list[Timed]:
     """
     scenario = load_scenario(name)
     setup, world, renderer = make_setup(scenario), make_world(scenario), make_renderer(scenario)
-    eye, states = setup.eye, world.truth()
+    find, states = setup.seeing.detector.locate, world.truth()
     frames = [as_frame(renderer.render(states, k / 30.0), k / 30.0, k) for k in range(FRAMES)]
     known = tuple(Prediction(r.robot_id, r.state.pose, DOUBT) for r in states)
     table = np.zeros(1 << 15, np.uint8)
@@ -43,8 +44,8 @@ def measure(name: str) -> list[Timed]:
         [
             (copy, lambda: next(turn).image.copy(), ""),
             (packed, look_up, ""),
-            (f"full search, {size}", lambda: locate(next(turn), eye, ()), packed),
-            (f"tracked, {size}", lambda: locate(next(turn), eye, known), packed),
+            (f"full search, {size}", lambda: find(next(turn), (), PALETTE_LIGHT), packed),
+            (f"tracked, {size}", lambda: find(next(turn), known, PALETTE_LIGHT), packed),
         ],
         ROUNDS,
     )
