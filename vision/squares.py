@@ -23,10 +23,9 @@ _STEPS = 3  # of Gauss-Newton, profiles sampled anew
 _ALONG = 10  # profiles on an edge
 _SPARED = 0.1  # of an edge near its corners, where profiles see the next edge
 _ACROSS = 9  # samples of a profile
-_EDGE_PX = 0.06  # error of a profile's edge, standard deviation
+_EDGE_PX = 0.04  # error of a profile's edge, standard deviation
 _PRIOR_WEIGHT = 8.0  # profiles that it counts for, against the misfit found
-_MODEL_PX = 0.02  # error of the place that profiles share: interpolation, blur across a cell
-_NO_MAP = np.empty(0, np.float32)
+_MODEL_PX = 0.015  # error of the place that profiles share: interpolation, blur across a cell
 _CORNERS = np.array([[0.5, 0.5], [0.5, -0.5], [-0.5, -0.5], [-0.5, 0.5]])  # clockwise, as seen
 
 
@@ -181,8 +180,9 @@ def _sampled(gray: Gray, poses: Floats, points: Floats, camera: CameraModel) -> 
     where = np.full((*points.shape[:2], 3), camera.tag_height)
     where[..., 0] = poses[:, :1] + c * points[..., 0] - s * points[..., 1]
     where[..., 1] = poses[:, 1:2] + s * points[..., 0] + c * points[..., 1]
-    pixels = camera.project(where.reshape(-1, 3)).astype(np.float32).reshape(points.shape)
-    seen = cv2.remap(gray, pixels, _NO_MAP, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    pixels = camera.project(where.reshape(-1, 3)).astype(np.float32)
+    x, y = (pixels[:, axis].reshape(points.shape[:2]) for axis in (0, 1))
+    seen = cv2.remap(gray, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return np.asarray(seen, np.float64)
 
 
