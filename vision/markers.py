@@ -1,6 +1,7 @@
 """Printed square markers (ArUco, AprilTag) as tags: white and black polygons from a dictionary."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -52,33 +53,7 @@ class MarkerSet:
     @property
     def tags(self) -> TagSet:
         """The markers as tags."""
-        tags = (self._tag(robot_id, number) for robot_id, number in self.worn)
-        return TagSet(tuple(tags), (BLACK,), mirror_twins=True)  # a marker is never read mirrored
-
-    def _tag(self, robot_id: RobotId, number: int) -> Tag:
-        """A white rim of one cell, the black square, and runs of white cells; forward is up."""
-        cells = marker_cells(self.dictionary, number)
-        count = len(cells)
-        parts = [
-            self._part("rim", -1, count + 1, -1, count + 1, WHITE, count),
-            self._part("square", 0, count, 0, count, BLACK, count),
-        ]
-        for row, line in enumerate(cells):
-            edges = np.flatnonzero(np.diff(np.concatenate(((0,), line.astype(np.int8), (0,)))))
-            parts += [
-                self._part(f"row {row} from {first}", row, row + 1, first, end, WHITE, count)
-                for first, end in edges.reshape(-1, 2).tolist()
-            ]
-        return Tag(robot_id, tuple(parts))
-
-    def _part(
-        self, name: str, top: int, bottom: int, left: int, right: int, color: str, count: int
-    ) -> Part:
-        """A rectangle of cells."""
-        cell, middle = self.side / count, 0.5 * count
-        x0, x1, y0, y1 = middle - bottom, middle - top, middle - right, middle - left
-        corners = cell * np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
-        return Part(name, polygon_array(corners), color)
+        return _marker_tags(self.dictionary, self.side, self.worn)
 
 
 def marker_dictionary(name: str) -> cv2.aruco.Dictionary:
@@ -137,3 +112,35 @@ def fitting_side(dictionary: str, plate: float) -> float:
     """
     cells = marker_dictionary(dictionary).markerSize + 2
     return plate * cells / (cells + 2)
+
+
+@lru_cache(maxsize=8)
+def _marker_tags(dictionary: str, side: float, worn: tuple[tuple[RobotId, int], ...]) -> TagSet:
+    """Tags of markers; a marker is never read mirrored."""
+    tags = (Tag(robot, _parts(marker_cells(dictionary, n), side)) for robot, n in worn)
+    return TagSet(tuple(tags), (BLACK,), mirror_twins=True)
+
+
+def _parts(cells: Cells, side: float) -> tuple[Part, ...]:
+    """A white rim of one cell, the black square, and runs of white cells; forward is up."""
+    count = len(cells)
+    cell = side / count
+    parts = [
+        _part("rim", (-1, -1, count + 1, count + 1), WHITE, cell, count),
+        _part("square", (0, 0, count, count), BLACK, cell, count),
+    ]
+    for row, line in enumerate(cells):
+        edges = np.flatnonzero(np.diff(np.concatenate(((0,), line.astype(np.int8), (0,)))))
+        parts += [
+            _part(f"row {row} from {first}", (row, first, row + 1, end), WHITE, cell, count)
+            for first, end in edges.reshape(-1, 2).tolist()
+        ]
+    return tuple(parts)
+
+
+def _part(name: str, box: tuple[int, int, int, int], color: str, cell: float, count: int) -> Part:
+    """A rectangle of cells from a row and a column to others."""
+    top, left, bottom, right = box
+    x0, x1, y0, y1 = (0.5 * count - edge for edge in (bottom, top, right, left))
+    corners = cell * np.array([[x1, y1], [x0, y1], [x0, y0], [x1, y0]])
+    return Part(name, polygon_array(corners), color)
