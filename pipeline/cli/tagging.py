@@ -33,8 +33,9 @@ def print_tags(what: str, overrides: tuple[str, ...], paper: str, out: Path) -> 
         out.write_bytes(sheet_pdf(sheet))
     except OSError as error:
         raise RecordingError(f"{out}: cannot be written ({error})") from None
-    count = sum(len(page) for page in sheet.pages)
-    print(f"{count} tags, {len(sheet.pages)} pages: {out}", file=sys.stderr)  # noqa: T201 (what was asked for)
+    tags, pages = sum(len(page) for page in sheet.pages), len(sheet.pages)
+    text = f"{tags} tags on {pages} page{'s' * (pages > 1)}: {out}"
+    print(text, file=sys.stderr)  # noqa: T201 (what was asked for)
 
 
 def tags_scenario(what: str, overrides: tuple[str, ...] = ()) -> Scenario:

@@ -1,5 +1,6 @@
 """The printable sheet: tags in true scale, cut marks, names, colours, and a ruler to check it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING
@@ -21,6 +22,8 @@ from pipeline.sheets.arrange import (
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+Segment = tuple[tuple[float, float], tuple[float, float]]
 
 MM_PER_INCH = 25.4
 POINTS_PER_MM = 72.0 / MM_PER_INCH
@@ -110,8 +113,8 @@ def _draw_tag(axes: "Axes", placed: PlacedTag, colors: dict[str, str]) -> None:
     near, far = _MARK_GAP, _MARK_GAP + _MARK
     for x, way in ((x0, -1.0), (x1, 1.0)):
         for y, up in ((y0, -1.0), (y1, 1.0)):
-            _line(axes, (x, x), (y + up * near, y + up * far))
-            _line(axes, (x + way * near, x + way * far), (y, y))
+            upright = ((x, y + up * near), (x, y + up * far))
+            _lines(axes, (upright, ((x + way * near, y), (x + way * far, y))))
     base = y1 + 1.0
     tip = np.array([[placed.x - 1.5, base], [placed.x + 1.5, base], [placed.x, y1 + 0.8 * ABOVE]])
     axes.add_patch(Polygon(tip, facecolor="black", linewidth=0.0))
@@ -135,17 +138,20 @@ def _draw_colors(axes: "Axes", colors: tuple[tuple[str, str], ...]) -> None:
 
 def _draw_ruler(axes: "Axes", x: float, y: float) -> None:
     """100 mm with a mark every millimetre."""
-    _line(axes, (x, x + RULER_LENGTH), (y, y))
-    for mm in range(RULER_LENGTH + 1):
-        height = 3.5 if mm % 10 == 0 else 2.5 if mm % 5 == 0 else 1.5
-        _line(axes, (x + mm, x + mm), (y, y + height))
-        if mm % 10 == 0:
-            _write(axes, x + mm, y + 4.0, f"{mm}", _SMALL, "center")
+    heights = [3.5 if n % 10 == 0 else 2.5 if n % 5 == 0 else 1.5 for n in range(RULER_LENGTH + 1)]
+    marks = [((x + mm, y), (x + mm, y + height)) for mm, height in enumerate(heights)]
+    _lines(axes, [((x, y), (x + RULER_LENGTH, y)), *marks])
+    for mm in range(0, RULER_LENGTH + 1, 10):
+        _write(axes, x + mm, y + 4.0, f"{mm}", _SMALL, "center")
     _write(axes, x + RULER_LENGTH + 5.0, y + 0.5, _ADVICE, _SMALL)
 
 
-def _line(axes: "Axes", x: tuple[float, float], y: tuple[float, float]) -> None:
-    axes.plot(x, y, color="black", linewidth=_LINE * POINTS_PER_MM, solid_capstyle="butt")
+def _lines(axes: "Axes", segments: Sequence[Segment]) -> None:
+    from matplotlib.collections import LineCollection
+
+    axes.add_collection(
+        LineCollection(segments, colors="black", linewidths=_LINE * POINTS_PER_MM), autolim=False
+    )
 
 
 def _write(axes: "Axes", x: float, y: float, text: str, height: float, align: str = "left") -> None:
