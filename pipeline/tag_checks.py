@@ -11,11 +11,12 @@ from pipeline.layouts import ARUCO, make_markers, make_tags
 from pipeline.seeing import Seeing
 from vision.errors import VisionError
 from vision.markers import marker_dictionary
-from vision.tags import TagSet
+from vision.tags import Tag, TagSet
 from vision.twins import ALIKE, likenesses
 
-TAG_PX = 8.0  # width at which a coloured tag is found reliably
-CELL_PX = 3.0  # and a cell of a marker
+TAG_PX = 8.0  # width of a tag that is found reliably
+PART_PX = 2.4  # and of its smallest coloured part, as the root of its area
+CELL_PX = 3.0  # and of a cell of a marker
 
 
 def check_tags(scenario: Scenario, seeing: Seeing) -> Iterator[Finding]:
@@ -58,17 +59,29 @@ def _size(scenario: Scenario, seeing: Seeing) -> Finding:
     floor = camera.to_floor(middle, camera.tag_height)
     affine = camera.affine_at(np.column_stack((floor, [camera.tag_height])))[0]
     scale = float(np.sqrt(abs(np.linalg.det(affine))))
-    size, needed, what = tag.side * scale, TAG_PX, "a tag"
     markers = make_markers(scenario)
-    if markers is not None:
+    if markers is None:
+        part, least, what = (
+            _smallest_part(tag, seeing.tags.background),
+            PART_PX,
+            "its smallest part",
+        )
+    else:
         cells = marker_dictionary(markers.dictionary).markerSize + 2
-        size, needed, what = markers.side / cells * scale, CELL_PX, "a cell of a marker"
+        part, least, what = markers.side / cells, CELL_PX, "a cell of its marker"
     return Finding(
         "robots in the picture",
-        size >= needed,
+        tag.side * scale >= TAG_PX and part * scale >= least,
         f"{camera.size_px[0]} x {camera.size_px[1]} px, {1e3 / scale:.1f} mm per pixel at tag "
-        f"height: {what} is {size:.1f} px wide ({needed:g} px needed)",
+        f"height: a tag is {tag.side * scale:.1f} px wide ({TAG_PX:g} px needed), "
+        f"{what} {part * scale:.1f} px ({least:g} px needed)",
     )
+
+
+def _smallest_part(tag: Tag, background: tuple[str, ...]) -> float:
+    """Root of the smallest visible area of a coloured part [m]."""
+    colored = [n for n, part in enumerate(tag.parts) if part.color not in background]
+    return float(np.sqrt(min(tag.visible_area(n) for n in colored)))
 
 
 def _layout(scenario: Scenario, name: str, config: LayoutConfig) -> Finding:
