@@ -19,7 +19,7 @@ from vision.frame import as_frame
 from vision.light import PALETTE_LIGHT
 
 Image = NDArray[np.uint8]
-FINE = 12  # pixels per millimetre where lengths are measured
+FINE = 16  # pixels per millimetre where lengths are measured
 
 
 def raster(pdf: pypdfium2.PdfDocument, page: int, px_per_mm: float) -> Image:
@@ -58,8 +58,8 @@ def test_tags_and_ruler_have_their_true_size(paper: str) -> None:
         left, right = dark_run(row, placed.x)
         column = gray[:, round((placed.x + rim) * FINE)]
         top, bottom = dark_run(column, size.height - placed.y)
-        assert right - left == pytest.approx(75.0, abs=0.1)
-        assert bottom - top == pytest.approx(75.0, abs=0.1)
+        assert right - left == pytest.approx(75.0, abs=0.07)
+        assert bottom - top == pytest.approx(75.0, abs=0.07)
         assert 0.5 * (left + right) == pytest.approx(placed.x, abs=0.1)
         assert 0.5 * (top + bottom) == pytest.approx(size.height - placed.y, abs=0.1)
     x, y = ruler_start(size)
