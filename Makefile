@@ -7,7 +7,7 @@ BUILD := build
 # With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
 VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
 
-.PHONY: install live test check bench picture clean
+.PHONY: install live test check bench picture layouts clean
 
 install: $(STAMP)
 
@@ -40,6 +40,9 @@ bench: install
 
 picture: install
 	$(BIN)/python docs/picture.py
+
+layouts: install
+	$(BIN)/python docs/layouts_picture.py
 
 clean:
 	rm -rf $(VENV) $(BUILD) *.egg-info

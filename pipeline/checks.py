@@ -1,7 +1,6 @@
 """What holds in a scenario and what does not, with numbers, before anything moves."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, hypot, inf, sin
 
@@ -11,28 +10,15 @@ from control.geometry import Pose2D, compose, wrap_angle
 from control.unicycle import UnicycleState
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
-from pipeline.seeing import named_colors
-from pipeline.setup import Setup, make_setup
+from pipeline.finding import Finding
+from pipeline.seeing import Seeing, make_seeing, named_colors
+from pipeline.setup import Setup, is_undriven, make_setup
+from pipeline.tag_checks import check_tags
 
 BODY = 0.075  # side of a robot's body [m]
 SAMPLED_LIMIT = 0.005  # longest period at which twisting as published was seen to work [s]
 MIABOT_LINK, MIABOT_COMMAND = 1150, 12  # bytes a second on a link, bytes of a full command
 GRID = 0.02  # of the walk along the plan [s]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One thing that was checked.
-
-    Attributes:
-        topic: short name.
-        holds: whether it is as it should be.
-        detail: the numbers, and the remedy where it does not hold.
-    """
-
-    topic: str
-    holds: bool
-    detail: str
 
 
 def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
@@ -45,6 +31,9 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         Findings in reading order; a scenario that cannot be built has one that says why.
     """
     try:
+        if is_undriven(scenario):
+            none = Finding("formation", True, "none: robots can be located and rendered")
+            return (none, *_seeing(scenario, make_seeing(scenario)))
         setup = make_setup(scenario)
     except ConfigError as error:
         return (Finding("scenario", False, str(error)),)
@@ -52,11 +41,15 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         _formation(setup),
         *_gains(scenario),
         *_plan(scenario, setup),
-        *_camera(setup),
-        _colors(scenario, setup),
+        *_seeing(scenario, setup.seeing),
         _radio(scenario),
         _safety(scenario),
     )
+
+
+def _seeing(scenario: Scenario, seeing: Seeing) -> Iterator[Finding]:
+    yield from check_tags(scenario, seeing)
+    yield _colors(scenario, seeing)
 
 
 def _formation(setup: Setup) -> Finding:
@@ -165,29 +158,18 @@ def _smallest_gap(places: dict[object, Pose2D]) -> float:
     return min(gaps, default=inf)
 
 
-def _camera(setup: Setup) -> Iterator[Finding]:
-    """How large a robot appears."""
-    middle = setup.path.at(0.5 * setup.duration).state.pose
-    scale = float(np.sqrt(abs(np.linalg.det(setup.camera.local_affine(middle)))))
-    size = setup.tags.tags[0].side * scale
-    yield Finding(
-        "robots in the picture",
-        size >= 8.0,
-        f"{setup.camera.size_px[0]} x {setup.camera.size_px[1]} px, {1e3 / scale:.1f} mm per pixel "
-        f"at tag height: a robot is {size:.1f} px wide (8 px needed)",
-    )
-
-
-def _colors(scenario: Scenario, setup: Setup) -> Finding:
+def _colors(scenario: Scenario, seeing: Seeing) -> Finding:
     """The two searched colours that are nearest to each other."""
     colors = {color.name: color.bgr for color in named_colors(scenario)}
-    names = setup.tags.search_colors
+    names = seeing.tags.search_colors
     distances = [
         (_hue_distance(colors[a], colors[b]), a, b)
         for i, a in enumerate(names)
         for b in names[i + 1 :]
     ]
-    nearest, one, other = min(distances, default=(inf, "", ""))
+    if not distances:
+        return Finding("colours", True, f"only {', '.join(names)} to tell from black")
+    nearest, one, other = min(distances)
     return Finding(
         "colours",
         nearest >= 0.10,

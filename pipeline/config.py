@@ -62,25 +62,45 @@ class SensorConfig(Section):
 
 
 class PartConfig(Section):
-    """A coloured polygon of a tag layout, in the robot's frame: x forward, y left."""
+    """A part of a tag layout in the robot's frame, x forward, y left: a polygon or a dot."""
 
     name: str
     color: str
-    polygon_m: tuple[tuple[Finite, Finite], ...] = Field(min_length=3)
+    polygon_m: tuple[tuple[Finite, Finite], ...] | None = Field(default=None, min_length=3)
+    center_m: tuple[Finite, Finite] | None = None
+    diameter_m: Positive | None = None
+
+    @model_validator(mode="after")
+    def _polygon_or_dot(self) -> Self:
+        dot = (self.center_m is not None, self.diameter_m is not None)
+        if (self.polygon_m is None) == (not all(dot)) or (self.polygon_m and any(dot)):
+            raise ValueError("give either polygon_m, or center_m and diameter_m")
+        return self
 
 
 class LayoutConfig(Section):
-    """A tag layout; a part coloured "$name" takes the colour that each robot gives for `name`."""
+    """A tag layout; a part coloured "$name" takes the colour that each robot gives for `name`.
+
+    A pattern gives these colours by a number or a name, `defaults` where nobody else does;
+    `colors` are nominal, a scenario's own come first.
+    """
 
     name: str = ""
     side_m: Positive
+    mirror_twins: bool = False
+    defaults: dict[str, str] = Field(default_factory=dict)
     parts: tuple[PartConfig, ...] = Field(min_length=1)
+    colors: dict[str, Colour] = Field(default_factory=dict)
+    patterns: dict[str, dict[str, str]] = Field(default_factory=dict)
 
 
 class TagsConfig(Section):
-    """Which tag layout the robots wear."""
+    """What the robots wear: a layout with colours for all of them, or printed markers."""
 
     layout: str = "two_patch"
+    colors: dict[str, str] = Field(default_factory=dict)
+    dictionary: str = "4x4_50"
+    marker_m: Positive | None = None
 
 
 class StartConfig(Section):
@@ -97,6 +117,8 @@ class RobotConfig(Section):
     """One robot: its tag, its drive, and the errors of its model that only the world knows."""
 
     id: Identifier
+    pattern: Identifier | None = None
+    marker: Annotated[int, Field(ge=0)] | None = None
     colors: dict[str, str] = Field(default_factory=dict)
     start: StartConfig | None = None
     lag_s: Annotated[float, Field(gt=0, le=1)] = 0.05
@@ -223,7 +245,10 @@ class SafetyConfig(Section):
 
 
 class Scenario(Section):
-    """A whole run: camera, tags, robots, formation, path, laws, link and safety."""
+    """A whole run: camera, tags, robots, formation, path, laws, link and safety.
+
+    Without `formation` and `leader` robots can be looked for and rendered, but not driven.
+    """
 
     name: str
     description: str = ""
@@ -234,8 +259,8 @@ class Scenario(Section):
     layouts: dict[str, LayoutConfig] = Field(default_factory=dict)
     colors: dict[str, Colour] = Field(default_factory=dict)
     robots: tuple[RobotConfig, ...] = Field(min_length=1)
-    formation: FormationConfig
-    leader: LeaderConfig
+    formation: FormationConfig | None = None
+    leader: LeaderConfig | None = None
     control: ControlConfig = ControlConfig()
     estimation: EstimationConfig = EstimationConfig()
     startup: StartUpConfig = StartUpConfig()
@@ -254,7 +279,7 @@ class Scenario(Section):
     @model_validator(mode="after")
     def _pairs_name_robots(self) -> Self:
         known = {robot.id for robot in self.robots}
-        for pair in self.formation.pairs:
+        for pair in self.formation.pairs if self.formation else ():
             for robot in (pair.leader, pair.follower):
                 if robot not in known:
                     raise ValueError(

@@ -11,9 +11,11 @@ from pipeline.memory import Memory
 from pipeline.ports import Clock, CommandSink, EndOfStream, FrameSource, Observer
 from pipeline.setup import Setup
 from pipeline.step import step
-from vision.eye import Eye
+from pipeline.tracking import find_robots
+from vision.detector import Detector
 from vision.frame import Frame
-from vision.locate import Prediction, locate
+from vision.light import Light
+from vision.locate import Prediction
 from vision.scene import Scene
 
 ENDS = ("finished", "stopped")
@@ -58,25 +60,28 @@ class Rig:
 
 
 class Stopwatch:
-    """`locate` with the time it took."""
+    """`find_robots` with the time it took."""
 
     def __init__(self) -> None:
         """Start with nothing measured."""
         self.elapsed = 0.0
 
-    def locate(self, frame: Frame, eye: Eye, predictions: tuple[Prediction, ...]) -> Scene:
+    def locate(
+        self, detector: Detector, frame: Frame, predictions: tuple[Prediction, ...], light: Light
+    ) -> Scene:
         """Find the robots, and take the time.
 
         Args:
+            detector: finds the robots.
             frame: the picture.
-            eye: all that is constant about how it is looked at.
             predictions: where robots are expected.
+            light: on the robots.
 
         Returns:
             What was found.
         """
         start = perf_counter()
-        scene = locate(frame, eye, predictions)
+        scene = find_robots(detector, frame, predictions, light)
         self.elapsed = perf_counter() - start
         return scene
 

@@ -15,6 +15,7 @@ from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
 from pipeline.config import RobotConfig, Scenario, SensorConfig, StartConfig
 from pipeline.errors import ConfigError
+from pipeline.layouts import make_tags
 from pipeline.live import Rig
 from pipeline.ports import Clock, CommandSink
 from pipeline.radios.miabot import MiabotSettings
@@ -22,7 +23,7 @@ from pipeline.radios.miabot_text import Drive
 from pipeline.radios.none import NoRadio
 from pipeline.radios.open import open_radio
 from pipeline.radios.simulated import SimulatedRadio
-from pipeline.seeing import make_camera, make_tags, named_colors
+from pipeline.seeing import make_camera, named_colors
 
 
 class Tee:
@@ -133,6 +134,9 @@ def make_renderer(scenario: Scenario, seed: int = 0) -> Renderer:
 
     Returns:
         The renderer.
+
+    Raises:
+        ConfigError: if the tags are inconsistent.
     """
     return Renderer(
         make_camera(scenario.camera),

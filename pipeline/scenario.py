@@ -36,12 +36,24 @@ def load_scenario(name: str, overrides: Sequence[str] = ()) -> Scenario:
     """
     path = scenario_path(name)
     table, sources = _read(path)
-    for text in overrides:
-        _override(table, text)
-    try:
-        return Scenario.model_validate(table)
-    except ValidationError as error:
-        raise ConfigError(_explain(_telling(error.errors()), sources, overrides)) from None
+    return _checked(table, sources, overrides)
+
+
+def check_tables(table: Table, source: str, overrides: Sequence[str] = ()) -> Scenario:
+    """Check a scenario that is in no file.
+
+    Args:
+        table: as a file would hold it; overrides are laid over it.
+        source: what an error names instead of a file.
+        overrides: "section.key=value" texts.
+
+    Returns:
+        The checked scenario.
+
+    Raises:
+        ConfigError: naming the source, the key and the nearest right key.
+    """
+    return _checked(table, {Path(source): ""}, overrides)
 
 
 def parse_scenario(json_text: str) -> Scenario:
@@ -95,6 +107,16 @@ def scenario_path(name: str) -> Path:
     if name in names:
         return Path(str(resources.files("datasets") / "scenarios" / f"{name}.toml"))
     raise ConfigError(f'no scenario "{name}"{_nearest(name, names)}; there are: {", ".join(names)}')
+
+
+def _checked(table: Table, sources: dict[Path, str], overrides: Sequence[str]) -> Scenario:
+    """The scenario of a table with overrides laid over it."""
+    for text in overrides:
+        _override(table, text)
+    try:
+        return Scenario.model_validate(table)
+    except ValidationError as error:
+        raise ConfigError(_explain(_telling(error.errors()), sources, overrides)) from None
 
 
 def _read(path: Path, seen: tuple[Path, ...] = ()) -> tuple[Table, dict[Path, str]]:

@@ -1,15 +1,106 @@
-"""What a scenario says of the eye: camera, tags, colours, sharpness."""
+"""What a scenario says of seeing: camera, tags, colours, sharpness, and who finds the robots."""
 
-import tomllib
-from importlib import resources
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
-from pipeline.config import CameraConfig, LayoutConfig, Scenario
+import cv2
+
+from pipeline.config import CameraConfig, Scenario
 from pipeline.errors import ConfigError
+from pipeline.layouts import make_markers, make_tags, nominal_colors
+from vision.aruco import ArucoDetector
 from vision.camera import CameraModel, overhead_camera
+from vision.detector import ColorDetector, Detector
+from vision.errors import VisionError
 from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
 from vision.palette import NamedColor, palette_from_colors
-from vision.tags import Layout, Part, TagSet, polygon_array
+from vision.tags import TagSet
+
+
+@dataclass(frozen=True)
+class Seeing:
+    """All that is needed to find robots in frames.
+
+    Attributes:
+        name: of the scenario.
+        camera: the calibrated camera.
+        tags: what the robots wear.
+        any_size: whether frames of another size are looked at through the same field of view.
+        detector: for frames of the camera's own size.
+        build: makes a detector for the camera at another size.
+    """
+
+    name: str
+    camera: CameraModel
+    tags: TagSet
+    any_size: bool
+    detector: Detector
+    build: Callable[[CameraModel], Detector]
+    _detectors: dict[tuple[int, int], Detector] = field(default_factory=dict, repr=False)
+
+    def detector_for(self, size_px: tuple[int, int]) -> Detector:
+        """The detector for frames of a size.
+
+        Args:
+            size_px: width and height of the frames [px].
+
+        Returns:
+            The scenario's detector, or one scaled to the size where the scenario allows it.
+
+        Raises:
+            ConfigError: if the size is another and the scenario does not allow it.
+        """
+        if size_px == self.camera.size_px:
+            return self.detector
+        if not self.any_size:
+            raise ConfigError(
+                f"a frame is {size_px[0]} x {size_px[1]} px, the camera of {self.name} "
+                f"{self.camera.size_px[0]} x {self.camera.size_px[1]} px; if both show the same "
+                f'field, say camera.other_sizes = "scale"'
+            )
+        if size_px not in self._detectors:
+            self._detectors[size_px] = self.build(self.camera.scaled_to(size_px))
+        return self._detectors[size_px]
+
+
+def make_seeing(scenario: Scenario) -> Seeing:
+    """Build what finds the robots: camera, sensor, tags, colours and robots are all it needs.
+
+    Args:
+        scenario: checked scenario.
+
+    Returns:
+        The seeing.
+
+    Raises:
+        ConfigError: if the camera or the tags are inconsistent.
+    """
+    cv2.setNumThreads(1)  # on small windows threads cost more than they give, and jitter
+    try:
+        camera, tags = make_camera(scenario.camera), make_tags(scenario)
+        build = _builder(scenario, camera, tags)
+        any_size = scenario.camera.other_sizes == "scale"
+        return Seeing(scenario.name, camera, tags, any_size, build(camera), build)
+    except VisionError as error:
+        raise ConfigError(f"scenario {scenario.name}: {error}") from None
+
+
+def _builder(
+    scenario: Scenario, camera: CameraModel, tags: TagSet
+) -> Callable[[CameraModel], Detector]:
+    """What makes a detector for a camera: printed markers or coloured tags."""
+    markers = make_markers(scenario)
+    if markers is not None:
+        return lambda scaled: ArucoDetector(scaled, markers)
+    eye = scenario_eye(scenario, camera, tags)
+
+    def _colored(scaled: CameraModel) -> Detector:
+        if scaled is camera:
+            return ColorDetector(eye)
+        return ColorDetector(make_eye(scaled, tags, eye.palette, eye.optics, eye.thresholds))
+
+    return _colored
 
 
 def make_camera(config: CameraConfig) -> CameraModel:
@@ -31,26 +122,6 @@ def make_camera(config: CameraConfig) -> CameraModel:
     )
 
 
-def make_tags(scenario: Scenario) -> TagSet:
-    """The tags of a scenario's robots.
-
-    Args:
-        scenario: layout, colours and robots.
-
-    Returns:
-        One tag per robot.
-
-    Raises:
-        ConfigError: if the layout or a colour is unknown.
-        VisionError: if tags cannot be told apart, or a robot lacks a colour of its own.
-    """
-    layout = _layout(scenario)
-    _check_colors(layout, scenario)
-    own = [tuple((f"${k}", color) for k, color in r.colors.items()) for r in scenario.robots]
-    pairs = zip(scenario.robots, own, strict=True)
-    return TagSet(tuple(layout.worn_by(robot.id, colors) for robot, colors in pairs))
-
-
 def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:
     """The scenario's colours as the camera sees them under full light.
 
@@ -58,12 +129,14 @@ def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:
         scenario: with colours as "#rrggbb".
 
     Returns:
-        The colours; black, of plates and rims, is always there.
+        The colours, those of the layout among them.
+
+    Raises:
+        ConfigError: if the layout is unknown.
     """
-    texts = {"black": "#0c0c0c", **scenario.colors}
     return tuple(
         NamedColor(name, (int(c[5:7], 16), int(c[3:5], 16), int(c[1:3], 16)))
-        for name, c in texts.items()
+        for name, c in nominal_colors(scenario).items()
     )
 
 
@@ -83,34 +156,3 @@ def scenario_eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
     s = scenario.sensor
     chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
     return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
-
-
-def _layout(scenario: Scenario) -> Layout:
-    """The layout of the scenario's own, or a shipped one."""
-    name = scenario.tags.layout
-    config = scenario.layouts.get(name)
-    if config is None:
-        file = resources.files("datasets") / "layouts" / f"{name}.toml"
-        if not file.is_file():
-            raise ConfigError(f'scenario {scenario.name}: no tag layout "{name}"')
-        config = LayoutConfig.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
-    parts = (Part(part.name, polygon_array(part.polygon_m), part.color) for part in config.parts)
-    return Layout(name, tuple(parts))
-
-
-def _check_colors(layout: Layout, scenario: Scenario) -> None:
-    """Refuse names that are not among the scenario's colours."""
-    used = [
-        (f'layout {layout.name}: {part.name} = "{part.color}"', part.color)
-        for part in layout.parts
-        if not part.color.startswith("$")
-    ]
-    used += [
-        (f'robot {robot.id}: {part} = "{color}"', color)
-        for robot in scenario.robots
-        for part, color in robot.colors.items()
-    ]
-    for where, color in used:
-        if color != "black" and color not in scenario.colors:
-            names = ", ".join(scenario.colors)
-            raise ConfigError(f"{where} is not among the scenario's colours: {names}")

@@ -1,9 +1,8 @@
 """From a scenario to the objects of a run: everything that stays constant while it runs."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import radians
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,32 +16,24 @@ from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
-from pipeline.config import (
-    LeaderConfig,
-    PairConfig,
-    Scenario,
-    SegmentConfig,
-)
+from pipeline.config import FormationConfig, LeaderConfig, PairConfig, Scenario, SegmentConfig
 from pipeline.errors import ConfigError
 from pipeline.guard import SafetyRules
-from pipeline.seeing import make_camera, make_tags, scenario_eye
+from pipeline.seeing import Seeing, make_seeing
 from vision.camera import CameraModel
-from vision.errors import VisionError
-from vision.eye import Eye, make_eye
 from vision.tags import TagSet
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
 SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Setup:
     """All that is constant in a run.
 
     Attributes:
         name: of the scenario.
-        camera: the calibrated camera.
-        tags: what the robots wear.
+        seeing: finds the robots.
         formation: who follows whom, in which shape.
         path: the leader's plan.
         gains: of the followers' law.
@@ -60,13 +51,10 @@ class Setup:
         command_validity: a command older than this is never sent [s].
         watch_time: how long moving robots are watched before the start; 0: they rest [s].
         duration: of the mission [s].
-        any_size: whether frames of another size are looked at through the same field of view.
-        eye: how frames of the camera's own size are looked at.
     """
 
     name: str
-    camera: CameraModel
-    tags: TagSet
+    seeing: Seeing
     formation: Formation
     path: PlannedPath
     gains: SlidingGains
@@ -82,36 +70,16 @@ class Setup:
     command_validity: float
     watch_time: float
     duration: float
-    any_size: bool
-    eye: Eye
-    _eyes: dict[tuple[int, int], Eye] = field(default_factory=dict, repr=False)
 
-    def eye_for(self, size_px: tuple[int, int]) -> Eye:
-        """The eye for frames of a size.
+    @property
+    def camera(self) -> CameraModel:
+        """The calibrated camera."""
+        return self.seeing.camera
 
-        Args:
-            size_px: width and height of the frames [px].
-
-        Returns:
-            The scenario's eye, or one scaled to the size where the scenario allows it.
-
-        Raises:
-            ConfigError: if the size is another and the scenario does not allow it.
-        """
-        if size_px == self.camera.size_px:
-            return self.eye
-        if not self.any_size:
-            raise ConfigError(
-                f"a frame is {size_px[0]} x {size_px[1]} px, the camera of {self.name} "
-                f"{self.camera.size_px[0]} x {self.camera.size_px[1]} px; if both show the same "
-                f'field, say camera.other_sizes = "scale"'
-            )
-        if size_px not in self._eyes:
-            eye = self.eye
-            self._eyes[size_px] = make_eye(
-                eye.camera.scaled_to(size_px), eye.tags, eye.palette, eye.optics, eye.thresholds
-            )
-        return self._eyes[size_px]
+    @property
+    def tags(self) -> TagSet:
+        """What the robots wear."""
+        return self.seeing.tags
 
 
 def make_setup(scenario: Scenario) -> Setup:
@@ -124,14 +92,27 @@ def make_setup(scenario: Scenario) -> Setup:
         The setup.
 
     Raises:
-        ConfigError: if the formation, the path, the tags or the camera are inconsistent.
+        ConfigError: if the formation, the path, the tags or the camera are inconsistent, or a
+            section that driving needs is missing.
     """
     load_filter()
-    cv2.setNumThreads(1)  # on small windows threads cost more than they give, and jitter
+    formation, leader = _course(scenario)
     try:
-        return _setup(scenario, scenario.control.command_period_s)
-    except (ControlError, VisionError) as error:
+        return _setup(scenario, formation, leader)
+    except ControlError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
+
+
+def is_undriven(scenario: Scenario) -> bool:
+    """Whether a scenario says nothing of driving: for looking and rendering only.
+
+    Args:
+        scenario: checked scenario.
+
+    Returns:
+        True if it has neither a formation nor a leader's path.
+    """
+    return scenario.formation is None and scenario.leader is None
 
 
 def make_scores(setup: Setup) -> Scores:
@@ -147,19 +128,29 @@ def make_scores(setup: Setup) -> Scores:
     return Scores(setup.formation, offset, setup.path, setup.camera, side)
 
 
-def _setup(scenario: Scenario, period: float) -> Setup:
-    camera, tags = make_camera(scenario.camera), make_tags(scenario)
+def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
+    """The sections that driving needs and looking does not."""
+    if scenario.formation is None or scenario.leader is None:
+        section = "formation" if scenario.formation is None else "leader"
+        raise ConfigError(
+            f"scenario {scenario.name}: missing section [{section}]: without it robots can be "
+            "located and rendered, but not driven"
+        )
+    return scenario.formation, scenario.leader
+
+
+def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig) -> Setup:
+    period = scenario.control.command_period_s
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
     return Setup(
         name=scenario.name,
-        camera=camera,
-        tags=tags,
-        formation=Formation(tuple(_pair(pair) for pair in scenario.formation.pairs)),
-        path=_path(scenario.leader),
+        seeing=make_seeing(scenario),
+        formation=Formation(tuple(_pair(pair) for pair in formation.pairs)),
+        path=_path(leader),
         gains=_gains(scenario, period),
         follower=_follower(scenario),
-        leader_gains=_leader_gains(scenario.leader),
+        leader_gains=_leader_gains(leader),
         leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
         free_motion=_motion(scenario, None, doubt),
@@ -170,8 +161,6 @@ def _setup(scenario: Scenario, period: float) -> Setup:
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
-        any_size=scenario.camera.other_sizes == "scale",
-        eye=scenario_eye(scenario, camera, tags),
     )
 
 

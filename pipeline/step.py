@@ -12,8 +12,7 @@ from pipeline.memory import Laws, Memory
 from pipeline.mission import advance, forget_glimpses, initial_rates, watch
 from pipeline.setup import Setup
 from pipeline.steering import Aim, commands_of, relate, steer
-from pipeline.tracking import Locate, ahead_of, look, remember
-from vision.locate import locate as find_robots
+from pipeline.tracking import Locate, ahead_of, find_robots, look, remember
 
 NO_COMMANDS: tuple[Command, ...] = ()
 NO_NOTES: tuple[str, ...] = ()

@@ -21,12 +21,13 @@ from control.history import SentCommands
 from datasets.cycle import Tick
 from pipeline.memory import Track
 from pipeline.setup import Setup
-from vision.eye import Eye
+from vision.detector import Detector
 from vision.frame import Frame
+from vision.light import PALETTE_LIGHT, Light
 from vision.locate import Prediction
 from vision.scene import Detection, Scene
 
-Locate = Callable[[Frame, Eye, tuple[Prediction, ...]], Scene]
+Locate = Callable[[Detector, Frame, tuple[Prediction, ...], Light], Scene]
 Tracks = Mapping[RobotId, Track]
 
 GATE = 40.0
@@ -36,11 +37,28 @@ NEAR, NEAR_TURN = 0.03, 0.5
 """A pose as near as this is believed whatever the filter expects: robots get pushed [m, rad]."""
 
 
+def find_robots(
+    detector: Detector, frame: Frame, predictions: tuple[Prediction, ...], light: Light
+) -> Scene:
+    """Ask the detector.
+
+    Args:
+        detector: finds the robots.
+        frame: what the camera saw.
+        predictions: where robots are expected.
+        light: on the robots.
+
+    Returns:
+        What was found.
+    """
+    return detector.locate(frame, predictions, light)
+
+
 def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scene | None, Tracks]:
     """Find the robots in the tick's frame and correct their tracks at its capture time.
 
     Args:
-        setup: eye and motion models.
+        setup: detector and motion models.
         tracks: of the robots seen before.
         tick: with or without a frame; a frame older than the tracks is looked at but not used.
         locate: the vision.
@@ -59,7 +77,8 @@ def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scen
     predictions = tuple(
         Prediction(robot, e.state.pose, e.covariance[:3, :3]) for robot, e in expected.items()
     )
-    scene = locate(tick.frame, setup.eye_for(tick.frame.size_px), predictions)
+    detector = setup.seeing.detector_for(tick.frame.size_px)
+    scene = locate(detector, tick.frame, predictions, PALETTE_LIGHT)
     seen = {d.robot_id: d for d in scene.detections}
     corrected = {
         robot: _corrected(setup, tracks.get(robot), expected.get(robot), detection, t)

@@ -57,3 +57,18 @@ def as_frame(
     pixels: NDArray[np.uint8] = np.ascontiguousarray(image, dtype=np.uint8).view()
     pixels.flags.writeable = False
     return Frame(pixels, float(t_capture), sequence, camera_id)
+
+
+def check_size(frame: Frame, size_px: tuple[int, int]) -> None:
+    """Refuse a frame of another size than its camera's.
+
+    Args:
+        frame: what the camera saw.
+        size_px: width and height of the camera's image [px].
+
+    Raises:
+        VisionError: if the sizes differ.
+    """
+    if frame.size_px != size_px:
+        (w, h), (cw, ch) = frame.size_px, size_px
+        raise VisionError(f"frame of {w} x {h} px, but the camera model is for {cw} x {ch} px")

@@ -1,6 +1,8 @@
 """Which tags look alike: tags are drawn turned and mirrored, and compared cell by cell."""
 
-from itertools import combinations
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations, product
 from math import cos, pi, sin
 
 import cv2
@@ -11,11 +13,31 @@ from vision.errors import VisionError
 from vision.tags import Tag
 
 _CELLS = 48  # across a tag
-_TURNS = 120  # every 3 degrees
+_TURN_DEG = 3
+_TURNS = 360 // _TURN_DEG
 _OWN_TURNS = slice(10, 111)  # 30 to 330 degrees: a turn that would be a wrong heading
-_ALIKE = 0.08  # twins differ on less than this share of the coloured cells
+ALIKE = 0.08  # twins differ on less than this share of the coloured cells
 
 Rasters = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """How much two tags look alike, or one looks like itself when turned.
+
+    Attributes:
+        one: index of a tag.
+        other: index of the other, or the same.
+        mirrored: whether the other was mirrored for it.
+        turn_deg: by which the other was turned for it [deg].
+        differs: share of the coloured area on which they still differ.
+    """
+
+    one: int
+    other: int
+    mirrored: bool
+    turn_deg: int
+    differs: float
 
 
 def check_distinct(tags: tuple[Tag, ...], background: tuple[str, ...], mirror_twins: bool) -> None:
@@ -29,33 +51,52 @@ def check_distinct(tags: tuple[Tag, ...], background: tuple[str, ...], mirror_tw
     Raises:
         VisionError: naming the two tags and the turn that makes them alike.
     """
+    for found in likenesses(tags, background, mirror_twins):
+        if found.differs < ALIKE:
+            raise VisionError(_complaint(found, tags))
+
+
+def likenesses(
+    tags: tuple[Tag, ...], background: tuple[str, ...], mirror_twins: bool
+) -> Iterator[Likeness]:
+    """Compare every tag with itself and with every other.
+
+    Args:
+        tags: to compare.
+        background: colours that count as nothing.
+        mirror_twins: do not mirror tags.
+
+    Yields:
+        Of every tag its most similar turned view; then the same of every pair, and mirrored.
+    """
     reach = max((tag.outer_radius for tag in tags), default=0.0)
     colors = {part.color for tag in tags for part in tag.parts} - set(background)
     ranks = tuple((color, rank) for rank, color in enumerate(sorted(colors), start=1))
     turned = [_turned(tag, ranks, reach, False) for tag in tags]
-    for tag, views in zip(tags, turned, strict=True):
+    for n, views in enumerate(turned):
         turn, share = _most_alike(views[0], views[_OWN_TURNS])
-        if share < _ALIKE:
-            degrees = (turn + _OWN_TURNS.start) * 360 // _TURNS
-            raise VisionError(
-                f"tag of robot {tag.robot_id} looks the same when turned by {degrees} deg "
-                f"({share:.0%} of it differs)"
-            )
-    for (i, one), (j, other) in combinations(enumerate(tags), 2):
-        _check_pair(one, other, turned[i][0], turned[j], "")
-        if not mirror_twins:
-            mirrored = _turned(other, ranks, reach, True)
-            _check_pair(one, other, turned[i][0], mirrored, "mirrored and ")
+        yield Likeness(n, n, False, (turn + _OWN_TURNS.start) * _TURN_DEG, share)
+    kinds = [(False, turned)]
+    if not mirror_twins:
+        kinds.append((True, [_turned(tag, ranks, reach, True) for tag in tags]))
+    for (i, j), (mirrored, seen) in product(combinations(range(len(tags)), 2), kinds):
+        turn, share = _most_alike(turned[i][0], seen[j])
+        yield Likeness(i, j, mirrored, turn * _TURN_DEG, share)
 
 
-def _check_pair(one: Tag, other: Tag, view: Rasters, views: Rasters, how: str) -> None:
-    """Refuse a pair of tags if one of the views of the second shows the first."""
-    turn, share = _most_alike(view, views)
-    if share < _ALIKE:
-        raise VisionError(
-            f"tags of robots {one.robot_id} and {other.robot_id} cannot be told apart: the second, "
-            f"{how}turned by {turn * 360 // _TURNS} deg, differs from the first on {share:.0%}"
+def _complaint(found: Likeness, tags: tuple[Tag, ...]) -> str:
+    """Why tags are refused."""
+    one, other = tags[found.one].robot_id, tags[found.other].robot_id
+    if found.one == found.other:
+        return (
+            f"tag of robot {one} looks the same when turned by {found.turn_deg} deg "
+            f"({found.differs:.0%} of it differs)"
         )
+    how = "mirrored and " if found.mirrored else ""
+    return (
+        f"tags of robots {one} and {other} cannot be told apart: the second, "
+        f"{how}turned by {found.turn_deg} deg, differs from the first on {found.differs:.0%}"
+    )
 
 
 def _most_alike(view: Rasters, views: Rasters) -> tuple[int, float]:

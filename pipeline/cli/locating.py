@@ -7,10 +7,10 @@ from typing import Any
 from datasets.recorded import read_image
 from pipeline.cli.output import Output
 from pipeline.scenario import load_scenario
-from pipeline.setup import Setup, make_setup
+from pipeline.seeing import Seeing, make_seeing
 from pipeline.viewers.overlay import draw_scene, write_picture
 from vision.frame import Frame, as_frame
-from vision.locate import locate
+from vision.light import PALETTE_LIGHT
 from vision.scene import Detection, Scene
 
 
@@ -34,13 +34,13 @@ def locate_images(
         ConfigError: if the scenario is wrong or does not fit an image's size.
         RecordingError: if an image cannot be read.
     """
-    setup = make_setup(load_scenario(scenario, overrides))
+    seeing = make_seeing(load_scenario(scenario, overrides))
     found = []
     for sequence, path in enumerate(images):
         frame = as_frame(read_image(path), 0.0, sequence, str(path))
-        scene = locate(frame, setup.eye_for(frame.size_px), ())
+        scene = seeing.detector_for(frame.size_px).locate(frame, (), PALETTE_LIGHT)
         if overlay is not None:
-            _draw(setup, frame, scene, overlay / f"{path.stem}.png")
+            _draw(seeing, frame, scene, overlay / f"{path.stem}.png")
         if output.as_json:
             found.append(_to_json(path, scene))
         else:
@@ -87,7 +87,7 @@ def _tell(path: Path, scene: Scene, output: Output) -> None:
         output.say(f"  not accepted at ({r.x:.0f}, {r.y:.0f}) px: {r.reason}")
 
 
-def _draw(setup: Setup, frame: Frame, scene: Scene, path: Path) -> None:
-    camera = setup.eye_for(frame.size_px).camera
+def _draw(seeing: Seeing, frame: Frame, scene: Scene, path: Path) -> None:
+    camera = seeing.detector_for(frame.size_px).camera
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_picture(path, draw_scene(frame.image, scene, setup.tags, camera))
+    write_picture(path, draw_scene(frame.image, scene, seeing.tags, camera))

@@ -9,7 +9,7 @@ from typing import Any
 from datasets.cycle import SafetyEvent
 from datasets.sightings import VisionScore
 from datasets.truth import Latencies, RunResult
-from pipeline.checks import Finding
+from pipeline.finding import Finding
 
 
 class Output:

@@ -1,20 +1,23 @@
 """What `echelon render` does: the closed loop, with every frame and its truth kept."""
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
-from datasets.cycle import Moment
+from datasets.cycle import Cycle, Moment, Tick, Timing
 from datasets.recorded import TruthWriter
 from datasets.world import World
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import VirtualClock
 from pipeline.interruption import interruption
 from pipeline.live import Rig, run
+from pipeline.ports import EndOfStream
 from pipeline.progress import Progress
 from pipeline.radios.simulated import SimulatedRadio
 from pipeline.rigs import make_renderer, make_world
 from pipeline.scenario import load_scenario
-from pipeline.setup import make_setup
+from pipeline.seeing import make_camera
+from pipeline.setup import is_undriven, make_setup
 
 
 class FramesWithTruth:
@@ -62,12 +65,32 @@ def render_run(
         RecordingError: if the files cannot be written.
     """
     scenario = load_scenario(name, overrides)
-    setup, world, c = make_setup(scenario), make_world(scenario, seed), scenario.camera
+    setup = None if is_undriven(scenario) else make_setup(scenario)
+    world, c = make_world(scenario, seed), scenario.camera
     seconds = scenario.duration_s if duration is None else duration
     camera = RenderedCamera(world, make_renderer(scenario, seed), c.fps, c.latency_s, seconds)
+    frames = FramesWithTruth(TruthWriter(out, c.fps, make_camera(c)), world)
     radio = SimulatedRadio(world, scenario.radio.delay_s, seed=seed)
-    frames = FramesWithTruth(TruthWriter(out, c.fps, setup.camera), world)
     rig = Rig(camera, radio, VirtualClock(), world.truth, (frames, Progress(seconds)))
     with interruption() as interrupted:
-        run(setup, rig, setup.period, seconds + c.latency_s + 1.0, interrupted)
+        if setup is None:
+            _stand(rig, 0.5 / c.fps, interrupted)
+        else:
+            run(setup, rig, setup.period, seconds + c.latency_s + 1.0, interrupted)
     print(f"{frames.count} frames: {out}", file=sys.stderr)  # noqa: T201 (what was asked for)
+
+
+def _stand(rig: Rig, period: float, interrupted: Callable[[], bool]) -> None:
+    """Film robots that nobody drives, until the last frame is taken."""
+    try:
+        while not interrupted():
+            now = rig.clock.now()
+            tick = Tick(now, rig.source.latest(now))
+            cycle = Cycle(now, now, "standing", None, None, (), (), None, ())
+            for observer in rig.observers:
+                observer.observe(Moment(tick, cycle, rig.truth(), Timing(0.0, 0.0, 0.0)))
+            rig.clock.wait_until(now + period)
+    except EndOfStream:
+        return
+    finally:
+        rig.close()

@@ -64,6 +64,6 @@ def seen_picture(series: Series, setup: Setup) -> bytes:
     image = np.full((60, 640, 3), 200, np.uint8)
     if series.picture is not None:
         frame, scene = series.picture
-        camera = setup.eye_for(frame.size_px).camera
+        camera = setup.seeing.detector_for(frame.size_px).camera
         image = draw_scene(frame.image, scene, setup.tags, camera)
     return cv2.imencode(".png", image)[1].tobytes()

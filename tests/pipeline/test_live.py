@@ -104,7 +104,8 @@ def test_when_an_observer_fails(setup: Setup) -> None:
 
 def test_when_a_command_cannot_be_computed(setup: Setup) -> None:
     (rig, radio), keeper = new_rig(), Keeper()
-    broken = replace(setup, camera=replace(setup.camera, size_px=(64, 64)), any_size=False)
+    small = replace(setup.camera, size_px=(64, 64))
+    broken = replace(setup, seeing=replace(setup.seeing, camera=small, any_size=False))
     with pytest.raises(Exception, match="320 x 240 px"):
         run(broken, replace(rig, observers=(keeper,)), 0.01)
     assert radio.told == ["stop", "close"]

@@ -1,0 +1,18 @@
+"""One thing that was checked before anything moves."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that was checked.
+
+    Attributes:
+        topic: short name.
+        holds: whether it is as it should be.
+        detail: the numbers, and the remedy where it does not hold.
+    """
+
+    topic: str
+    holds: bool
+    detail: str

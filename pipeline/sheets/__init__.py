@@ -1,0 +1,1 @@
+"""Tags on paper: where they go, and the PDF."""
