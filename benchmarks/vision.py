@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 
 from benchmarks.timing import Timed, interleaved
-from pipeline.rigs import make_renderer, make_world
+from pipeline.filming import make_renderer
+from pipeline.rigs import make_world
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_setup
 from vision.frame import as_frame
