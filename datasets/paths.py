@@ -10,7 +10,7 @@ from datasets.errors import SimulationError
 
 Floats = NDArray[np.float64]
 
-_TONES = 3  # sinusoids of a wandering path along each axis
+_TONES = np.array([0.6, 1.0, 1.5])  # rates of the sinusoids of a wandering path, relative
 
 
 class Path(Protocol):
@@ -79,10 +79,10 @@ class Wandering:
             rng: decides.
         """
         self._center, self._reach = np.array(center), np.array(reach)
-        rates = rng.uniform(0.5, 1.5, (_TONES, 2))
-        rms = self._reach * np.sqrt(0.5 * (rates**2).sum(axis=0)) / _TONES
+        rates = _TONES[:, None] * rng.uniform(0.9, 1.1, (len(_TONES), 2))
+        rms = self._reach * np.sqrt(0.5 * (rates**2).sum(axis=0)) / len(_TONES)
         self._rates = rates * speed / rms  # [rad/s]
-        self._phases = rng.uniform(0.0, 2.0 * np.pi, (_TONES, 2))
+        self._phases = rng.uniform(0.0, 2.0 * np.pi, (len(_TONES), 2))
         self._heading = rng.uniform(-np.pi, np.pi)
         self._turn = speed / float(self._reach.mean()) * rng.uniform(-1.0, 1.0)  # [rad/s]
 
