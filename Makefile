@@ -7,7 +7,7 @@ BUILD := build
 # With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
 VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
 
-.PHONY: install live test check bench picture clean
+.PHONY: install live test check bench limits picture clean
 
 install: $(STAMP)
 
@@ -34,6 +34,10 @@ check: install
 bench: install
 	@mkdir -p $(BUILD)
 	$(BIN)/python -m benchmarks
+
+limits: install
+	@mkdir -p $(BUILD)
+	$(BIN)/python -m benchmarks.limits
 
 picture: install
 	$(BIN)/python docs/picture.py

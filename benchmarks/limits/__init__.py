@@ -1,1 +1,1 @@
-"""How far the vision carries: noise x blur x size, and every effect: `python -m benchmarks.limits`."""
+"""How far the vision carries, over noise, blur and size, and under every effect."""

@@ -1,7 +1,7 @@
 """Every effect at three strengths, through the whole loop."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import degrees
 
 from benchmarks.limits.errors import Errors
@@ -32,7 +32,8 @@ class Row:
         strength: with its unit.
         searched: single frames of the run, searched from nothing.
         seen: in the loop, which tracks.
-        distance_mm: rms of the worst follower over the last 20 % of the run, NaN if it never ran.
+        distance_mm: rms of the worst follower over the last 20 % of the run; NaN if it did not
+            finish.
         bearing_deg: the same of its bearing.
         events: of safety.
         end: why the run ended.
@@ -52,11 +53,22 @@ class Sampler:
     """An observer that searches some frames from nothing, with the robots where they truly were."""
 
     def __init__(self, setup: Setup, world: World, camera: RenderedCamera) -> None:
+        """Start with nothing seen.
+
+        Args:
+            setup: of the run.
+            world: knows the truth.
+            camera: knows when its pictures were really taken.
+        """
         self._setup, self._world, self._camera = setup, world, camera
         self.errors = Errors(setup.tags.tags[0].side)
 
     def observe(self, moment: Moment) -> None:
-        """Search a frame if it is its turn."""
+        """Search a frame if it is its turn.
+
+        Args:
+            moment: the cycle.
+        """
         frame = moment.tick.frame
         if frame is not None and frame.sequence % EVERY == 0:
             truth = self._world.states(self._camera.taken_at(frame.sequence))
@@ -95,8 +107,8 @@ def _measured(effect: Effect, strength: str, overrides: tuple[str, ...]) -> Row:
     rig = Rig(camera, radio, VirtualClock(), world.truth, (scores, sampler))
     end = run(setup, rig, setup.period, scenario.duration_s + PATIENCE)
     result = scores.result(effect.name, 0.0)
-    seen = replace(result.vision) if result.vision else VisionScore(0.0, 0, None, None)
-    distance, bearing = _worst(result.followers)
+    seen = result.vision or VisionScore(0.0, 0, None, None)
+    distance, bearing = _worst(result.followers if end == "finished" else ())
     events = len(result.safety_events)
     return Row(effect.name, strength, sampler.errors, seen, distance, bearing, events, end)
 

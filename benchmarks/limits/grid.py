@@ -22,7 +22,7 @@ SIZES = (6, 8, 10, 14, 20)  # of a robot [px]
 FRAMES, GAP = 60, 0.12  # pictures a cell; least distance of two robots [m]
 SIDE = 0.075  # of a robot [m]
 DOUBT = (0.004, 0.004, 0.06)  # of a prediction over one frame [m, m, rad]
-_TEST_MOUNT = 2.5 / 2.4  # height of the camera over the width of its field, as in `paper`
+_MOUNT = 2.5 / 2.4  # height of the camera over the width of its field, as in `paper`
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def _measured(size: int, noise: float, blur: float, rng: np.random.Generator) ->
     width = 320 * SIDE / size
     scenario = load_scenario(
         "paper",
-        (f"camera.field_width_m={width}", f"camera.mount_height_m={width * _TEST_MOUNT}",
+        (f"camera.field_width_m={width}", f"camera.mount_height_m={width * _MOUNT}",
          f"sensor.read_noise={noise}", f"sensor.blur_px={blur}"),
     )  # fmt: skip
     setup, renderer = make_setup(scenario), make_renderer(scenario)

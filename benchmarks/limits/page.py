@@ -15,26 +15,30 @@ _FIELDS = ("kind", "name", "strength", "robot_px", "read_noise", "blur_px", "mod
 
 _HEAD = f"""# Limits
 
-Written by `python -m benchmarks.limits`; the same numbers on every run of one version. Rendered frames of the scenario
-`paper` (320x240, 4:2:0 chroma, light uneven by 30 %), three robots; a detection counts if it is within half a tag
-({500 * SIDE:g} mm) of its robot. Errors are rms over the right detections.
+Written by `make limits` (`python -m benchmarks.limits`); the same numbers on every run of one
+version. Rendered frames of the scenario `paper` (320x240, 4:2:0 chroma, light uneven by 30 %),
+three robots; a detection counts if it is within half a tag ({500 * SIDE:g} mm) of its robot.
+Errors are rms over the right detections.
 
 """
 
 _GRID = f"""## Noise, blur, size
 
-{FRAMES} frames a cell with robots at random places and headings, read noise of 255, blur and robot in pixels.
-Each cell: recall in % / position mm / position px / heading deg; "+n" are n false ids.
+{FRAMES} frames a cell, robots at random places and headings; read noise of 255, blur and robot in
+pixels. Each cell: recall in % / position in mm / in px / heading in deg; "+n" are n false ids.
 """
 
 _EFFECTS = """## Effects
 
-The paper's whole run (8 s, in closed loop) for each row. "Searched": every fifth frame, found from nothing, without
-what the loop has learned of the light. "Tracked": what the loop saw. Position errors of the loop are against the stamp of
-the frame, so they hold what jitter, repeated pictures and rolling shutters do. "Followers": the worst rms of true distance
-and bearing over the last 20 %. "Events": of the safety rules, which slow and stop robots that are not seen.
+The paper's whole run (8 s, closed loop) for each row. "Searched": every fifth frame, found from
+nothing, without what the loop has learned of the light. "Tracked", "position", "heading": what the
+loop saw, against the truth at the time on the frame; they hold what wrong stamps, repeated pictures
+and rolling shutters do. "Followers": the worst rms of true distance and bearing over the last 20 %
+of runs that came to their end. "Events": of the safety rules, which slow and stop robots that are
+not seen. "End": "finished", or "time" if the robots still stood 4 s after the planned end.
 
-| effect | strength | searched: recall %, false | tracked: recall %, false | position mm | heading deg | followers mm, deg | events | end |
+| effect | strength | searched %, false | tracked %, false | position mm | heading deg | \
+followers mm, deg | events | end |
 |---|---|---|---|---|---|---|---|---|
 """
 

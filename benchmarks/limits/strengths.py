@@ -72,7 +72,7 @@ EFFECTS = (
     Effect("chroma", (
         ("4:2:2", ('sensor.chroma="422"',)),
         ("4:2:0, nearest", ('sensor.chroma_upsampling="nearest"',)),
-        ("4:2:0, 1 px off, unknown to nobody", ("sensor.chroma_offset_px=[1.0,0.0]",)),
+        ("4:2:0, 1 px off, as calibrated", ("sensor.chroma_offset_px=[1.0,0.0]",)),
     )),
     _one("JPEG quality", "sensor.jpeg_quality", "", (85, 60, 35)),
     _one("hot pixels", "sensor.hot_pixel_share", " of all", (0.001, 0.003, 0.01)),
@@ -80,7 +80,7 @@ EFFECTS = (
     _one("rolling shutter, readout", "sensor.readout_s", " s", (0.01, 0.02, 0.033)),
     _each("lens distortion, k1", "camera.distortion=[@,0.02,0.0,0.0,0.0]", "",
           (-0.05, -0.12, -0.2)),
-    _one("tag height", "camera.tag_height_m", " m", (0.03, 0.15, 0.3)),
+    _one("tag height", "camera.tag_height_m", " m", (0.0, 0.15, 0.2)),
     _each("moving shadow, darkness", "surroundings.shadows=[{radius_m=0.35,softness_m=0.15,"
           f"darkness=@,{_PEOPLE}}}]", "", (0.3, 0.5, 0.7)),
     _each("glare on the way, strength", "surroundings.glares=[{x_m=0.75,y_m=0.0,width_m=0.04,"
