@@ -7,7 +7,7 @@ BUILD := build
 # With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
 VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
 
-.PHONY: install live test check bench picture layouts clean
+.PHONY: install live test check bench limits picture layouts clean
 
 install: $(STAMP)
 
@@ -37,6 +37,10 @@ bench: install
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --no-deps \
 		-r constraints-bench.txt || echo "pupil-apriltags: no package for this machine"
 	$(BIN)/python -m benchmarks $(ARGS)
+
+limits: install
+	@mkdir -p $(BUILD)
+	$(BIN)/python -m benchmarks.limits
 
 picture: install
 	$(BIN)/python docs/picture.py

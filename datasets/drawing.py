@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from datasets.coverage import edge_coverage
+from datasets.motion import moved
+from datasets.sensor.shutter import Shutter
 from vision.camera import CameraModel
 from vision.tags import Tag
 
@@ -40,17 +42,27 @@ class Drawing:
         self._following = _next_corners(sizes)
         self._inks, self._outer = _inks(tags, colors)
 
-    def corners(self, poses: Floats, camera: CameraModel) -> Floats:
-        """Where the corners of all parts appear.
+    def views(self, motions: Floats, camera: CameraModel, shutter: Shutter) -> Floats:
+        """Where the corners of all parts appear while the shutter is open.
 
         Args:
-            poses: shape (R, 3), of the robots [m, m, rad].
+            motions: shape (R, 5), x, y, theta, v, omega of the robots at the frame's moment
+                [m, m, rad, m/s, rad/s].
             camera: who looks; its tag height is that of the tags.
+            shutter: when the rows are exposed.
 
         Returns:
-            Shape (V, 2) [px].
+            K views to be averaged, shape (K, V, 2) [px].
         """
-        pose = poses[self._corner_robots]
+        motion = motions[self._corner_robots]
+        if shutter.instant:
+            return self._seen(motion[:, :3], camera)[None]
+        return shutter.views(
+            lambda offsets: self._seen(moved(motion, offsets), camera), len(motion)
+        )
+
+    def _seen(self, pose: Floats, camera: CameraModel) -> Floats:
+        """Where corners appear, each with a pose (V, 3) of its robot, shape (V, 2) [px]."""
         c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
         x, y = self._corners.T
         points = np.empty((len(pose), 3))
@@ -59,52 +71,64 @@ class Drawing:
         points[:, 2] = camera.tag_height
         return camera.project(points)
 
-    def windows(self, corners: Floats, spread: int) -> tuple[Integers, tuple[int, int]]:
+    def windows(self, views: Floats, spread: int) -> tuple[Integers, tuple[int, int]]:
         """Windows of one size, one around every tag.
 
         Args:
-            corners: shape (V, 2), in corner coordinates [px].
+            views: shape (K, V, 2), in corner coordinates [px].
             spread: free pixels around the tag.
 
         Returns:
             Column and row of every window's first pixel, shape (R, 2), and height and width [px].
         """
-        low = np.floor(np.minimum.reduceat(corners, self._first_corners)).astype(np.intp) - spread
-        high = np.ceil(np.maximum.reduceat(corners, self._first_corners)).astype(np.intp) + spread
+        first, last = views.min(axis=0), views.max(axis=0)
+        low = np.floor(np.minimum.reduceat(first, self._first_corners)).astype(np.intp) - spread
+        high = np.ceil(np.maximum.reduceat(last, self._first_corners)).astype(np.intp) + spread
         width, height = (high - low).max(axis=0)
         return low, (int(height), int(width))
 
     def painted(
-        self, corners: Floats, origins: Integers, size: tuple[int, int]
+        self, views: Floats, origins: Integers, size: tuple[int, int]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Draw every tag into its window.
+        """Draw every tag into its window, the mean of all views.
 
         Args:
-            corners: shape (V, 2), in corner coordinates [px].
+            views: shape (K, V, 2), in corner coordinates [px].
             origins: shape (R, 2), column and row of every window's first pixel.
             size: height h and width w of the windows [px].
 
         Returns:
             Colour times coverage, shape (R, h, w, 3), BGR of 255 under full light; and the coverage
-            of the whole tag, shape (R, h, w), 0 to 1.
+            of the whole tag, shape (R, h, w), 0 to 1; of overlapping tags the first hides the
+            later.
         """
+        inks, plates = self._drawn(views[0], origins, size)
+        for corners in views[1:]:
+            more = self._drawn(corners, origins, size)
+            inks += more[0]
+            plates += more[1]
+        if len(views) > 1:
+            inks /= len(views)
+            plates /= len(views)
+        return inks, plates
+
+    def _drawn(
+        self, corners: Floats, origins: Integers, size: tuple[int, int]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """One view (V, 2) of every tag in its window."""
         starts = corners - origins[self._corner_robots]
         shape = (len(self._outer[0]), *size)
         covered = edge_coverage(starts, starts[self._following], self._layers, shape)
         flat = covered.reshape(len(covered), -1).astype(np.float32)
         inks = (self._inks @ flat).reshape(self._robots, 3, *size)
         plates = (self._outer @ flat).reshape(self._robots, *size)
-        return inks.transpose(0, 2, 3, 1), plates
+        seen = inks.transpose(0, 2, 3, 1)
+        _uncover(seen, plates, origins)
+        return seen, plates
 
 
-def uncovered(inks: NDArray[np.float32], plates: NDArray[np.float32], origins: Integers) -> None:
-    """Let earlier tags hide later ones where bodies overlap; tags that merely touch stay whole.
-
-    Args:
-        inks: shape (R, h, w, 3), colour times coverage; changed in place.
-        plates: shape (R, h, w), coverage of the tags; changed in place.
-        origins: shape (R, 2), column and row of every window's first pixel.
-    """
+def _uncover(inks: NDArray[np.float32], plates: NDArray[np.float32], origins: Integers) -> None:
+    """Let earlier tags hide later ones where bodies overlap; tags that merely touch stay whole."""
     height, width = plates.shape[1:]
     apart = np.abs(origins[:, None] - origins[None])
     near = np.triu((apart[..., 0] < width) & (apart[..., 1] < height), k=1)

@@ -2,18 +2,23 @@
 
 Tags are projected corner by corner and drawn by exact area coverage, never rounded to pixels. The
 picture is linear in the coverages, so the lens blurs only the difference that robots make to the
-floor, in small windows; the empty floor is blurred once.
+floor, in small windows; the empty floor is blurred once. Only where something else moves or shines
+is the whole scene composed and blurred anew.
 """
+
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
 from datasets.cycle import RobotState
-from datasets.drawing import Drawing, uncovered
+from datasets.drawing import Drawing
 from datasets.errors import SimulationError
 from datasets.floor import Floor, paint_floor
-from datasets.sensor import SensorModel
+from datasets.sensor import SensorModel, frame_number, linear_light
+from datasets.surroundings import Painter, Surroundings
 from vision.camera import CameraModel
 from vision.palette import NamedColor
 from vision.tags import TagSet
@@ -23,8 +28,19 @@ Singles = NDArray[np.float32]
 Rectangle = tuple[slice, slice]
 
 BLACK = NamedColor("black", (12, 12, 12))
-_TICKS = 1_000_000  # frames are numbered by the microsecond
 _STEPS = 16  # points on each side of the image when its view of the floor is measured
+
+
+_NOTHING = Surroundings()
+
+
+class _Painted(NamedTuple):
+    """Robots in their windows: inks (R, h, w, 3), plates (R, h, w), origins (R, 2), (h, w)."""
+
+    inks: Singles
+    plates: Singles
+    origins: NDArray[np.intp]
+    size: tuple[int, int]
 
 
 class Renderer:
@@ -38,6 +54,7 @@ class Renderer:
         sensor: SensorModel,
         seed: int = 0,
         floor: Floor | None = None,
+        surroundings: Surroundings = _NOTHING,
     ) -> None:
         """Paint, light and blur the empty floor.
 
@@ -46,44 +63,48 @@ class Renderer:
             tags: what the robots wear.
             colors: how the tags' colours look under full light; black need not be given.
             sensor: what the camera does to the light.
-            seed: of noise and floor, >= 0.
+            seed: of noise, floor and clutter, >= 0.
             floor: how the floor looks, by default dark with a field's lines.
+            surroundings: what else is in view, and what it does to the light.
 
         Raises:
             SimulationError: if a tag has a colour that is not given.
         """
-        self._colors = {color.name: color.bgr for color in (BLACK, *colors)}
+        self._colors = {c.name: _linear(c.bgr, sensor.gamma) for c in (BLACK, *colors)}
         missing = [color for color in tags.colors if color not in self._colors]
         if missing:
             raise SimulationError(f"tags use {missing}, but only {list(self._colors)} are given")
         self._camera, self._sensor = camera, sensor
+        self._shutter = sensor.shutter(camera.size_px[1])
         self._tags = {tag.robot_id: tag for tag in tags.tags}
         self._drawings: dict[tuple[RobotId, ...], Drawing] = {}
         self._low, self._high = _seen_floor(camera, tags.outer_radius)
-        self._stages = sensor.stages(camera.size_px, seed)
+        self._stages = (*sensor.lens(camera), *sensor.stages(camera.size_px, seed))
         self._margin = margin = sensor.blur_radius
-        self._light = sensor.light(camera.size_px, margin)[..., None]
-        self._sharp = paint_floor(camera, floor or Floor(), margin, seed) * self._light
-        inside = slice(margin, self._sharp.shape[0] - margin), slice(margin, -margin or None)
-        self._empty = np.ascontiguousarray(sensor.blur(self._sharp)[inside])
+        self._light = light = sensor.light(camera.size_px, margin)[..., None]
+        self._painter = Painter(surroundings, camera, sensor, light, seed)
+        paint = _in_linear_light(floor or Floor(), sensor.gamma)
+        self._sharp = paint_floor(camera, paint, margin, seed) * light
+        self._painter.ground(self._sharp, 0.0, standing=True)
+        self._empty = self._through_lens(self._sharp)
 
     def render(self, states: tuple[RobotState, ...], t: float) -> NDArray[np.uint8]:
         """Take a picture.
 
         Args:
-            states: true states at the moment of capture; where bodies overlap, the earlier robot
-                hides the later one.
+            states: true states at the moment of capture, the middle of the exposure of the middle
+                row; where bodies overlap, the earlier robot hides the later one.
             t: moment of capture; it numbers the frame for all that is random [s].
 
         Returns:
             Shape (H, W, 3), BGR, read-only.
 
         Raises:
-            SimulationError: if a robot wears no tag or a pose is not finite.
+            SimulationError: if a robot wears no tag or a state is not finite.
         """
-        image = self._empty.copy()
-        self._add_robots(image, self._in_view(states))
-        frame = round(t * _TICKS) & 0xFFFFFFFFFFFF
+        robots = self._paint(self._in_view(states))
+        image = self._calm(robots) if self._painter.still else self._busy(robots, t)
+        frame = frame_number(t)
         for stage in self._stages:
             image = stage(image, frame)
         picture: NDArray[np.uint8] = image.astype(np.uint8, copy=False)
@@ -95,36 +116,79 @@ class Renderer:
         for state in states:
             if state.robot_id not in self._tags:
                 raise SimulationError(f"robot {state.robot_id} wears no tag")
-            if not np.isfinite((state.state.x, state.state.y, state.state.theta)).all():
+            if not np.isfinite(_motion(state)).all():
                 raise SimulationError(f"robot {state.robot_id} to be rendered is at {state.state}")
         (x0, y0), (x1, y1) = self._low, self._high
         return tuple(s for s in states if x0 < s.state.x < x1 and y0 < s.state.y < y1)
 
-    def _add_robots(self, image: Singles, states: tuple[RobotState, ...]) -> None:
-        """Add to the empty picture what the robots change."""
+    def _paint(self, states: tuple[RobotState, ...]) -> _Painted | None:
+        """Draw the robots into windows, moving while the shutter is open."""
         if not states:
-            return
+            return None
         drawing = self._drawing(tuple(state.robot_id for state in states))
-        poses = np.array([(s.state.x, s.state.y, s.state.theta) for s in states])
-        corners = drawing.corners(poses, self._camera) + 0.5  # to corner coordinates
-        origins, size = drawing.windows(corners, self._margin)
-        inks, plates = drawing.painted(corners, origins, size)
-        uncovered(inks, plates, origins)
-        change = np.zeros((len(states), *size, 3), np.float32)
-        for index, origin in enumerate(origins + self._margin):
+        motions = np.array([_motion(state) for state in states])
+        views = drawing.views(motions, self._camera, self._shutter) + 0.5  # to corner coordinates
+        origins, size = drawing.windows(views, self._margin)
+        return _Painted(*drawing.painted(views, origins, size), origins, size)
+
+    def _calm(self, robots: _Painted | None) -> Singles:
+        """Add to the empty picture what the robots change."""
+        image = self._empty.copy()
+        if robots is None:
+            return image
+        size = robots.size
+        change = np.zeros(robots.inks.shape, np.float32)
+        for index, origin in enumerate(robots.origins + self._margin):
             there, here = _overlap(origin, size, self._sharp.shape)
-            ink, plate = inks[index][here], plates[index][here][..., None]
+            ink, plate = robots.inks[index][here], robots.plates[index][here][..., None]
             change[index][here] = ink * self._light[there] - plate * self._sharp[there]
         seen = self._sensor.blur(change.reshape(-1, size[1], 3)).reshape(change.shape)
-        for index, origin in enumerate(origins):
+        for index, origin in enumerate(robots.origins):
             there, here = _overlap(origin, size, image.shape)
             image[there] += seen[index][here]
+        return image
+
+    def _busy(self, robots: _Painted | None, t: float) -> Singles:
+        """Compose the whole scene, then look at it through the lens."""
+        ground = self._sharp.copy()
+        self._painter.ground(ground, t, standing=False)
+        scene = ground.copy()
+        if robots is not None:
+            for index, origin in enumerate(robots.origins + self._margin):
+                there, here = _overlap(origin, robots.size, scene.shape)
+                ink, plate = robots.inks[index][here], robots.plates[index][here][..., None]
+                scene[there] += ink * self._light[there] - plate * ground[there]
+        self._painter.above(scene, t)
+        return self._through_lens(scene)
+
+    def _through_lens(self, scene: Singles) -> Singles:
+        """Blur a scene with its margins, and cut them off."""
+        margin = self._margin
+        inside = slice(margin, scene.shape[0] - margin), slice(margin, -margin or None)
+        return np.ascontiguousarray(self._sensor.blur(scene)[inside])
 
     def _drawing(self, ids: tuple[RobotId, ...]) -> Drawing:
         """The polygons of some robots, made once."""
         if ids not in self._drawings:
             self._drawings[ids] = Drawing(tuple(self._tags[i] for i in ids), self._colors)
         return self._drawings[ids]
+
+
+def _motion(robot: RobotState) -> tuple[float, float, float, float, float]:
+    """x, y, theta, v, omega of a robot."""
+    s = robot.state
+    return s.x, s.y, s.theta, s.v, s.omega
+
+
+def _linear(bgr: tuple[float, float, float], gamma: float) -> tuple[float, float, float]:
+    """The light of a colour that the camera shows as `bgr`."""
+    blue, green, red = linear_light(bgr, gamma).tolist()
+    return blue, green, red
+
+
+def _in_linear_light(floor: Floor, gamma: float) -> Floor:
+    """The floor's light instead of its look."""
+    return replace(floor, bgr=_linear(floor.bgr, gamma), line_bgr=_linear(floor.line_bgr, gamma))
 
 
 def _overlap(

@@ -5,27 +5,27 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Seconds = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False)]
-Period = Annotated[float, Field(ge=0.001, le=1, allow_inf_nan=False)]
-Fraction = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
-SignedFraction = Annotated[float, Field(gt=-1, lt=1, allow_inf_nan=False)]
+from pipeline.section import (
+    Colour,
+    Finite,
+    Fraction,
+    NonNegative,
+    Period,
+    Positive,
+    Seconds,
+    Section,
+    SignedFraction,
+)
+from pipeline.sensor_config import SensorConfig
+from pipeline.surroundings_config import SurroundingsConfig
+
 Pixels = Annotated[int, Field(ge=32, le=8192)]
 PerChannel = tuple[Positive, Positive]
-Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 Identifier = (
     Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
 )
-
-
-class Section(BaseModel):
-    """Base of all sections: unknown keys are errors, values do not change after loading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class CameraConfig(Section):
@@ -40,6 +40,9 @@ class CameraConfig(Section):
     tag_height_m: NonNegative = 0.075
     distortion: tuple[Finite, Finite, Finite, Finite, Finite] = (0.0, 0.0, 0.0, 0.0, 0.0)
     latency_s: Seconds = 0.040
+    stamp_jitter_s: Annotated[float, Field(ge=0, le=0.1)] = 0.0
+    dropped_share: Fraction = 0.0
+    repeated_share: Fraction = 0.0
     other_sizes: Literal["refuse", "scale"] = "refuse"
 
     @model_validator(mode="after")
@@ -47,18 +50,6 @@ class CameraConfig(Section):
         if self.tag_height_m >= self.mount_height_m:
             raise ValueError("tag_height_m must be below mount_height_m")
         return self
-
-
-class SensorConfig(Section):
-    """What the camera does to the pixels; the renderer obeys it and the pose fit expects it."""
-
-    read_noise: Annotated[float, Field(ge=0, le=64)] = 3.0
-    blur_px: Annotated[float, Field(ge=0, le=5)] = 0.6
-    uneven_light: Fraction = 0.0
-    chroma: Literal["444", "422", "420"] = "420"
-    chroma_upsampling: Literal["linear", "nearest"] = "linear"
-    chroma_offset_px: tuple[Finite, Finite] = (0.0, 0.0)
-    jpeg_quality: Annotated[int, Field(ge=1, le=100)] | None = None
 
 
 class PartConfig(Section):
@@ -255,6 +246,7 @@ class Scenario(Section):
     duration_s: Annotated[float, Field(gt=0, le=86400)] = 8.0
     camera: CameraConfig = CameraConfig()
     sensor: SensorConfig = SensorConfig()
+    surroundings: SurroundingsConfig = SurroundingsConfig()
     tags: TagsConfig = TagsConfig()
     layouts: dict[str, LayoutConfig] = Field(default_factory=dict)
     colors: dict[str, Colour] = Field(default_factory=dict)

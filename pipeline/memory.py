@@ -10,6 +10,8 @@ from control.leader import LeaderMemory
 from control.sliding import FollowerMemory
 from control.unicycle import UnicycleState
 from pipeline.guard import GuardMemory
+from vision.frame import Frame
+from vision.light import PALETTE_LIGHT, Light
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +86,8 @@ class Memory:
         guard: of the safety rules.
         mission: phase and clock.
         laws: integrals of the control laws.
+        light: on the robots, as the last scene told it.
+        frame: the last that was looked at.
     """
 
     t: float | None = None
@@ -91,3 +95,5 @@ class Memory:
     guard: GuardMemory = field(default_factory=GuardMemory)
     mission: Mission = field(default_factory=Mission)
     laws: Laws = field(default_factory=Laws)
+    light: Light = PALETTE_LIGHT
+    frame: Frame | None = None

@@ -6,16 +6,14 @@ from math import radians
 from control.command import Command, RobotId
 from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
-from datasets.render import Renderer
-from datasets.sensor import SensorModel
 from datasets.world import RobotPlant, World
 from pipeline.cameras.device import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
-from pipeline.config import RobotConfig, Scenario, SensorConfig, StartConfig
+from pipeline.config import RobotConfig, Scenario, StartConfig
 from pipeline.errors import ConfigError
-from pipeline.layouts import make_tags
+from pipeline.filming import make_delivery, make_renderer
 from pipeline.live import Rig
 from pipeline.ports import Clock, CommandSink
 from pipeline.radios.miabot import MiabotSettings
@@ -23,7 +21,6 @@ from pipeline.radios.miabot_text import Drive
 from pipeline.radios.none import NoRadio
 from pipeline.radios.open import open_radio
 from pipeline.radios.simulated import SimulatedRadio
-from pipeline.seeing import make_camera, named_colors
 
 
 class Tee:
@@ -125,26 +122,26 @@ def make_world(scenario: Scenario, seed: int = 0) -> World:
     return World(tuple(_plant(robot) for robot in scenario.robots), seed)
 
 
-def make_renderer(scenario: Scenario, seed: int = 0) -> Renderer:
-    """The camera of a scenario, drawing.
+def make_rendered_camera(
+    scenario: Scenario, world: World, seed: int = 0, duration: float | None = None
+) -> RenderedCamera:
+    """The camera of a scenario, looking at a world.
 
     Args:
-        scenario: camera, sensor, tags and colours.
-        seed: of noise and floor.
+        scenario: camera, sensor, surroundings, tags and colours.
+        world: what it looks at.
+        seed: of all that is random in pictures and delivery.
+        duration: no picture is taken from this time on [s]; None: without end.
 
     Returns:
-        The renderer.
+        The camera.
 
     Raises:
         ConfigError: if the tags are inconsistent.
     """
-    return Renderer(
-        make_camera(scenario.camera),
-        make_tags(scenario),
-        named_colors(scenario),
-        _sensor(scenario.sensor),
-        seed,
-    )
+    c, delivery = scenario.camera, make_delivery(scenario.camera, seed)
+    renderer = make_renderer(scenario, seed)
+    return RenderedCamera(world, renderer, c.fps, c.latency_s, duration, delivery)
 
 
 def _rendered(scenario: Scenario, radio: str, seed: int, fast: bool) -> Rig:
@@ -155,9 +152,7 @@ def _rendered(scenario: Scenario, radio: str, seed: int, fast: bool) -> Rig:
         sink = NoRadio()
     elif radio != "simulated":
         sink = Tee(sink, _real_radio(scenario, radio, clock))
-    camera = RenderedCamera(
-        world, make_renderer(scenario, seed), scenario.camera.fps, scenario.camera.latency_s
-    )
+    camera = make_rendered_camera(scenario, world, seed)
     truth: Callable[[], tuple[RobotState, ...]] = world.truth
     return Rig(camera, sink, clock, truth)
 
@@ -187,16 +182,4 @@ def _plant(robot: RobotConfig) -> RobotPlant:
 def _state(start: StartConfig) -> UnicycleState:
     return UnicycleState(
         start.x_m, start.y_m, radians(start.theta_deg), start.v_mps, start.omega_radps
-    )
-
-
-def _sensor(config: SensorConfig) -> SensorModel:
-    return SensorModel(
-        read_noise=config.read_noise,
-        blur_px=config.blur_px,
-        uneven_light=config.uneven_light,
-        chroma=config.chroma,
-        chroma_offset_px=config.chroma_offset_px,
-        chroma_upsampling=config.chroma_upsampling,
-        jpeg_quality=config.jpeg_quality,
     )

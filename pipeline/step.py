@@ -12,7 +12,7 @@ from pipeline.memory import Laws, Memory
 from pipeline.mission import advance, forget_glimpses, initial_rates, watch
 from pipeline.setup import Setup
 from pipeline.steering import Aim, commands_of, relate, steer
-from pipeline.tracking import Locate, ahead_of, find_robots, look, remember
+from pipeline.tracking import Locate, ahead_of, find_robots, look, remember, without_repeats
 
 NO_COMMANDS: tuple[Command, ...] = ()
 NO_NOTES: tuple[str, ...] = ()
@@ -33,7 +33,8 @@ def step(
         The memory for the next cycle, and the record of this one.
     """
     dt = setup.period if memory.t is None else tick.t - memory.t
-    scene, tracks = look(setup, memory.tracks, tick, locate)  # corrected at capture time
+    tick = without_repeats(tick, memory.frame)
+    scene, tracks = look(setup, memory.tracks, memory.light, tick, locate)  # at capture time
     seen = {robot: track.estimate.t for robot, track in tracks.items()}
     guard, shares, events = watch_over(setup.rules, memory.guard, setup.formation, seen, tick)
     mission = watch(setup, memory.mission, scene)
@@ -55,4 +56,5 @@ def step(
         tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,
         planned if mission.t_start is not None else None, commands, events, notes,
     )  # fmt: skip
-    return Memory(tick.t, tracks, guard, mission, laws), cycle
+    light, frame = (memory.light, memory.frame) if scene is None else (scene.light, tick.frame)
+    return Memory(tick.t, tracks, guard, mission, laws, light, frame), cycle

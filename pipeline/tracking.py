@@ -1,6 +1,7 @@
 """From a frame to corrected tracks, and from tracks to the moment a command takes effect."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from math import hypot
 
 import numpy as np
@@ -22,8 +23,8 @@ from datasets.cycle import Tick
 from pipeline.memory import Track
 from pipeline.setup import Setup
 from vision.detector import Detector
-from vision.frame import Frame
-from vision.light import PALETTE_LIGHT, Light
+from vision.frame import Frame, is_repeated
+from vision.light import Light
 from vision.locate import Prediction
 from vision.scene import Detection, Scene
 
@@ -54,12 +55,30 @@ def find_robots(
     return detector.locate(frame, predictions, light)
 
 
-def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scene | None, Tracks]:
+def without_repeats(tick: Tick, before: Frame | None) -> Tick:
+    """Take a picture for none if it is the last one again, bit for bit: the camera hangs.
+
+    Args:
+        tick: with or without a frame.
+        before: the last frame that was looked at, None before the first.
+
+    Returns:
+        The tick, without a repeated frame.
+    """
+    if tick.frame is None or before is None or not is_repeated(tick.frame, before):
+        return tick
+    return replace(tick, frame=None)
+
+
+def look(
+    setup: Setup, tracks: Tracks, light: Light, tick: Tick, locate: Locate
+) -> tuple[Scene | None, Tracks]:
     """Find the robots in the tick's frame and correct their tracks at its capture time.
 
     Args:
         setup: detector and motion models.
         tracks: of the robots seen before.
+        light: as the last scene told it.
         tick: with or without a frame; a frame older than the tracks is looked at but not used.
         locate: the vision.
 
@@ -78,7 +97,7 @@ def look(setup: Setup, tracks: Tracks, tick: Tick, locate: Locate) -> tuple[Scen
         Prediction(robot, e.state.pose, e.covariance[:3, :3]) for robot, e in expected.items()
     )
     detector = setup.seeing.detector_for(tick.frame.size_px)
-    scene = locate(detector, tick.frame, predictions, PALETTE_LIGHT)
+    scene = locate(detector, tick.frame, predictions, light)
     seen = {d.robot_id: d for d in scene.detections}
     corrected = {
         robot: _corrected(setup, tracks.get(robot), expected.get(robot), detection, t)

@@ -259,6 +259,25 @@ def _settle(
     1/2 for one tag only; for limits above 1/2 this is the assignment with the largest sum.
     """
     tags[:] = _TAKEN
+    _drop_repeated(order, poses, taken, nearest, tags)
+    free = np.ones(scores.shape[1], np.bool_)
+    while True:
+        best, candidate, tag = 0.0, -1, -1
+        for n in range(len(tags)):
+            for t in range(len(free)):
+                waits = good[n] and tags[n] == _TAKEN and free[t]
+                if waits and scores[n, t] >= limit and scores[n, t] > best:
+                    best, candidate, tag = scores[n, t], n, t
+        if candidate < 0:
+            return
+        tags[candidate], free[tag] = tag, False
+
+
+@compiled
+def _drop_repeated(
+    order: Indices, poses: Floats, taken: Floats, nearest: float, tags: Indices
+) -> None:
+    """Mark candidates that overlap a better one, or a robot already found."""
     for rank in range(len(order)):
         n = order[rank]
         for x, y in taken:
@@ -268,17 +287,6 @@ def _settle(
             away = np.hypot(poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1])
             if tags[before] != _REPEATED and away < nearest:
                 tags[n] = _REPEATED
-    free = np.ones(scores.shape[1], np.bool_)
-    while True:
-        best, candidate, tag = 0.0, -1, -1
-        for n in range(len(tags)):
-            for t in range(len(free)):
-                open_ = good[n] and tags[n] == _TAKEN and free[t]
-                if open_ and scores[n, t] >= limit and scores[n, t] > best:
-                    best, candidate, tag = scores[n, t], n, t
-        if candidate < 0:
-            return
-        tags[candidate], free[tag] = tag, False
 
 
 def _why_not(

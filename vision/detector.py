@@ -80,5 +80,4 @@ class ColorDetector:
         Raises:
             VisionError: if the frame's size is not the camera's.
         """
-        del light  # the search does not know of it yet
-        return locate(frame, self.eye, predictions)
+        return locate(frame, self.eye, predictions, light)

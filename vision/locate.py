@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
-from vision.errors import VisionError
 from vision.eye import Eye
-from vision.frame import Frame
+from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
 from vision.light import PALETTE_LIGHT, Light, taught, watched
 from vision.pose import fit_poses
@@ -62,9 +61,7 @@ def locate(
     Raises:
         VisionError: if the frame's size is not the camera's.
     """
-    if frame.size_px != eye.camera.size_px:
-        (w, h), (cw, ch) = frame.size_px, eye.camera.size_px
-        raise VisionError(f"frame of {w} x {h} px, but the camera model is for {cw} x {ch} px")
+    check_size(frame, eye.camera.size_px)
     light = watched(light, frame.image)
     found, rejected, light = _follow(frame, eye, predictions, light)
     missing = _missing(found, eye)

@@ -4,9 +4,11 @@ from math import floor
 
 from datasets.render import Renderer
 from datasets.world import World
+from pipeline.cameras.delivery import Delivery
 from pipeline.ports import EndOfStream
 from vision.frame import Frame, as_frame
 
+_FAITHFUL = Delivery()
 _SLACK = 1e-9  # a frame is not missed for the rounding of its time [s]
 
 
@@ -14,7 +16,8 @@ class RenderedCamera:
     """Takes picture n at n / fps and delivers it after the latency; only delivered ones are drawn.
 
     Attributes:
-        dropped: pictures that were passed over because a newer one had arrived.
+        dropped: pictures that were passed over because a newer one had arrived; those lost on
+            their way are not counted, as nobody knows of them.
     """
 
     def __init__(
@@ -24,6 +27,7 @@ class RenderedCamera:
         fps: float,
         latency: float,
         duration: float | None = None,
+        delivery: Delivery = _FAITHFUL,
     ) -> None:
         """Look at a world.
 
@@ -33,9 +37,11 @@ class RenderedCamera:
             fps: pictures per second.
             latency: from the picture to its delivery, less than the world remembers (1 s) [s].
             duration: no picture is taken from this time on [s]; None: without end.
+            delivery: what happens to frames on their way.
         """
         self._world, self._renderer = world, renderer
         self._fps, self._latency, self._duration = fps, latency, duration
+        self._delivery = delivery
         self._next, self.dropped = 0, 0
 
     def latest(self, now: float) -> Frame | None:
@@ -56,14 +62,33 @@ class RenderedCamera:
             if self._duration is not None and self._next / self._fps >= self._duration - _SLACK:
                 raise EndOfStream("rendered camera: the duration is over")
             return None
-        self.dropped += number - self._next
+        arrived = [n for n in range(self._next, number + 1) if self._delivery.arrives(n)]
         self._next = number + 1
-        t = number / self._fps
-        image = self._renderer.render(self._world.states(t), t)
-        return as_frame(image, t, number, "rendered")
+        if not arrived:
+            return None
+        self.dropped += len(arrived) - 1
+        return self._taken(arrived[-1])
+
+    def taken_at(self, sequence: int) -> float:
+        """When the picture that a frame shows was really taken, whatever the frame's stamp says.
+
+        Args:
+            sequence: of the frame.
+
+        Returns:
+            The moment, middle of the exposure of the middle row [s].
+        """
+        return self._delivery.shown(sequence) / self._fps
 
     def close(self) -> None:
         """Release nothing. Safe to call twice."""
+
+    def _taken(self, number: int) -> Frame:
+        """Draw a frame."""
+        t = self.taken_at(number)
+        image = self._renderer.render(self._world.states(t), t)
+        stamp = self._delivery.stamp(number, number / self._fps, 1.0 / self._fps)
+        return as_frame(image, stamp, number, "rendered")
 
     def _newest(self, t: float) -> int:
         """Number of the last picture taken by t."""

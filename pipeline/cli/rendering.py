@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from datasets.cycle import Cycle, Moment, Tick, Timing
@@ -14,7 +15,7 @@ from pipeline.live import Rig, run
 from pipeline.ports import EndOfStream
 from pipeline.progress import Progress
 from pipeline.radios.simulated import SimulatedRadio
-from pipeline.rigs import make_renderer, make_world
+from pipeline.rigs import make_rendered_camera, make_world
 from pipeline.scenario import load_scenario
 from pipeline.seeing import make_camera
 from pipeline.setup import is_undriven, make_setup
@@ -23,14 +24,15 @@ from pipeline.setup import is_undriven, make_setup
 class FramesWithTruth:
     """An observer that keeps every frame with the true poses at its capture."""
 
-    def __init__(self, writer: TruthWriter, world: World) -> None:
+    def __init__(self, writer: TruthWriter, world: World, camera: RenderedCamera) -> None:
         """Start with nothing written.
 
         Args:
             writer: of pictures and truth.
             world: knows the truth.
+            camera: knows when its pictures were really taken.
         """
-        self._writer, self._world, self.count = writer, world, 0
+        self._writer, self._world, self._camera, self.count = writer, world, camera, 0
 
     def observe(self, moment: Moment) -> None:
         """Keep a new frame.
@@ -40,7 +42,8 @@ class FramesWithTruth:
         """
         frame = moment.tick.frame
         if frame is not None:
-            self._writer.write(frame, self._world.states(frame.t_capture))
+            t = self._camera.taken_at(frame.sequence)
+            self._writer.write(replace(frame, t_capture=t), self._world.states(t))
             self.count += 1
 
     def close(self) -> None:
@@ -68,9 +71,9 @@ def render_run(
     setup = None if is_undriven(scenario) else make_setup(scenario)
     world, c = make_world(scenario, seed), scenario.camera
     seconds = scenario.duration_s if duration is None else duration
-    camera = RenderedCamera(world, make_renderer(scenario, seed), c.fps, c.latency_s, seconds)
-    frames = FramesWithTruth(TruthWriter(out, c.fps, make_camera(c)), world)
+    camera = make_rendered_camera(scenario, world, seed, seconds)
     radio = SimulatedRadio(world, scenario.radio.delay_s, seed=seed)
+    frames = FramesWithTruth(TruthWriter(out, c.fps, make_camera(c)), world, camera)
     rig = Rig(camera, radio, VirtualClock(), world.truth, (frames, Progress(seconds)))
     with interruption() as interrupted:
         if setup is None:

@@ -25,7 +25,8 @@ from typing import Any
 from control.command import RobotId
 from control.unicycle import WheelSpeeds, twist_from_wheels
 from pipeline.config import Scenario
-from pipeline.rigs import make_renderer, make_world
+from pipeline.filming import make_renderer
+from pipeline.rigs import make_world
 from pipeline.scenario import load_scenario
 from tests.hardware.miabot_robot import Miabot, Ptys
 from tests.hardware.streams import MjpegServer, Streamer, UdpSender

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from datasets.cycle import Moment, RobotState
 from pipeline.cameras.rendered import RenderedCamera
+from pipeline.filming import make_renderer
 from pipeline.live import run
-from pipeline.rigs import connect, make_renderer
+from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_setup
 from tests.pipeline.runs import Keeper
