@@ -21,6 +21,7 @@ Indices = NDArray[np.intp]
 _BORDER_PX = 0.25  # a tag may reach so far beyond the image
 _APART = 0.85  # plates nearer than this share of their width are two readings of one place
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
+_LIT = (-0.6, 0.1)  # log brightness for which the palette is right
 _DARK, _BRIGHT = 20.0, 250.0  # values beyond tell nothing of the light
 _REPEATED, _TAKEN = -1, -2  # why an acceptable candidate is not accepted
 
@@ -48,7 +49,12 @@ class Verdict:
 
 
 def judge(
-    fit: Fit, candidates: Candidates, eye: Eye, possible: NDArray[np.bool_], gains: Floats
+    fit: Fit,
+    candidates: Candidates,
+    eye: Eye,
+    possible: NDArray[np.bool_],
+    gains: Floats,
+    slack: float = 1.0,
 ) -> Verdict:
     """Decide which candidates look like which tag.
 
@@ -58,6 +64,8 @@ def judge(
         eye: tags, palette and thresholds.
         possible: shape (N, T), which tag each candidate may be.
         gains: shape (3,), factors of the light on the palette's colours, BGR.
+        slack: factor on the light's spread; robots found where they are expected may have a
+            shadow's rim on them.
 
     Returns:
         Scores and what decides.
@@ -69,7 +77,7 @@ def judge(
     )  # fmt: skip
     _score(
         fit.colors, candidates.shapes, eye.looks, eye.palette.posterior, gains, possible,
-        limits.light_spread, verdict.scores,
+        slack * limits.light_spread, verdict.scores,
     )  # fmt: skip
     _to_screen(
         fit.poses, candidates.shapes, eye.looks, eye.camera.lens, eye.camera.tag_height,
@@ -145,27 +153,24 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
         eye: tags and palette.
 
     Returns:
-        Shape (M, 3), a row per coloured part, BGR; none where a channel is too dark or saturated.
+        Shape (N, K, 3), BGR of every part; NaN where there is none or it is too dark or saturated.
     """
-    ratios = np.empty((len(tags) * eye.looks.classes.shape[1], 3))
-    return ratios[: _compare_colors(fit.colors, tags, eye.looks, ratios)]
+    ratios = np.full((len(tags), eye.looks.classes.shape[1], 3), np.nan)
+    _compare_colors(fit.colors, tags, eye.looks, ratios)
+    return ratios
 
 
 @compiled
-def _compare_colors(colors: Floats, tags: Indices, looks: Looks, ratios: Floats) -> int:
-    """Fill in the ratios of colours; returns their number."""
-    count = 0
+def _compare_colors(colors: Floats, tags: Indices, looks: Looks, ratios: Floats) -> None:
+    """Fill in the ratios of the coloured parts of accepted tags."""
     for n in range(len(tags)):
         for k in range(looks.classes.shape[1]):
             if tags[n] < 0 or looks.classes[tags[n], k] == 0:
                 continue
-            telling = True
             for channel in range(3):
                 seen, typical = colors[n, k, channel], looks.typical[tags[n], k, channel]
-                telling &= _DARK < seen < _BRIGHT and typical > _DARK
-                ratios[count, channel] = seen / typical
-            count += telling
-    return count
+                if typical > _DARK and _DARK < seen < _BRIGHT:
+                    ratios[n, k, channel] = seen / typical
 
 
 @compiled
@@ -187,20 +192,26 @@ def _score(
     colors: Floats, shapes: Indices, looks: Looks, posterior: NDArray[np.float32], gains: Floats,
     possible: NDArray[np.bool_], spread: float, scores: Floats,
 ) -> None:  # fmt: skip
-    """Probability (N, T) of the least certain coloured part, all parts being in the same light."""
+    """Probability (N, T) of the least certain coloured part, all parts being in the same light.
+
+    A tag in a shadow is judged as if it were lit as the palette knows it.
+    """
     for n in range(len(shapes)):
         for tag in range(possible.shape[1]):
             if not possible[n, tag] or looks.shape_of[tag] != shapes[n]:
                 continue
-            least, darkest, brightest = 1.0, np.inf, -np.inf
+            darkest, brightest = np.inf, -np.inf
+            for k in range(looks.classes.shape[1]):
+                if looks.classes[tag, k] > 0:
+                    light = _lightness(colors[n, k], looks.typical[tag, k], gains)
+                    darkest, brightest = min(darkest, light), max(brightest, light)
+            middle = 0.5 * (darkest + brightest)
+            local = gains * np.exp(middle - min(max(middle, _LIT[0]), _LIT[1]))
+            contrast, least = (brightest - darkest) / spread, 1.0
             for k in range(looks.classes.shape[1]):
                 kind = looks.classes[tag, k]
-                if kind == 0:
-                    continue
-                least = min(least, posterior[_packed(colors[n, k], gains), kind])
-                light = _lightness(colors[n, k], looks.typical[tag, k], gains)
-                darkest, brightest = min(darkest, light), max(brightest, light)
-            contrast = (brightest - darkest) / spread
+                if kind > 0:
+                    least = min(least, posterior[_packed(colors[n, k], local), kind])
             scores[n, tag] = least * np.exp(-0.5 * contrast * contrast)
 
 

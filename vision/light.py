@@ -1,6 +1,6 @@
 """The light on the robots: how colours look now, against how they looked to the palette."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ _LATTICE = (24, 18)  # columns and rows of pixels by which two frames are compar
 _JUMP = 0.04  # a smaller change of the whole picture is left to the tags to tell
 _DARK, _BRIGHT = 6, 249  # values beyond say little of the light
 _BAND = (-0.45, 0.05)  # log brightness of tags for which the palette is right, see `taught`
+_TURNS = 3  # of brightness and tint
 _RATE = 0.2  # share of a difference that a frame takes over
 _MOST = 1.5  # log of the largest factor, either way
 
@@ -27,18 +28,23 @@ class Light:
         green: of the green channel.
         red: of the red channel.
         view: shape (N, 3), BGR of a lattice of pixels of the last frame, None before the first.
+        supposed: which of `BRIGHTNESSES` is supposed while nobody is found.
     """
 
     blue: float = 1.0
     green: float = 1.0
     red: float = 1.0
     view: Bytes | None = field(default=None, compare=False, repr=False)
+    supposed: int = 0
 
     @property
     def gains(self) -> Floats:
         """The factors as an array, shape (3,), BGR."""
         return np.array((self.blue, self.green, self.red))
 
+
+BRIGHTNESSES = (1.0, 0.55, 0.3, 1.7)
+"""Factors of the palette's light that are tried while nobody is found."""
 
 PALETTE_LIGHT = Light()
 """The light in which the palette was learned."""
@@ -60,8 +66,8 @@ def watched(light: Light, image: Bytes) -> Light:
     view = np.empty((_LATTICE[0] * _LATTICE[1], 3), np.uint8)
     _sample(image, view)
     if light.view is None or not _has_jumped(light.view, view):
-        return Light(light.blue, light.green, light.red, view)
-    return _made(light.gains * _ratios(light.view, view), view)
+        return replace(light, view=view)
+    return replace(_made(light.gains * _ratios(light.view, view), view), supposed=light.supposed)
 
 
 def taught(light: Light, ratios: Floats) -> Light:
@@ -72,30 +78,56 @@ def taught(light: Light, ratios: Floats) -> Light:
 
     Args:
         light: in which they were seen.
-        ratios: shape (N, 3), their colours over what the palette has learned, BGR.
+        ratios: shape (N, K, 3), colours of the K parts of N tags over what the palette has learned,
+            BGR, NaN where nothing can be said.
 
     Returns:
         The light as they show it.
     """
-    if len(ratios) == 0:
-        return light
     blue, green, red = _pulled(ratios, (light.blue, light.green, light.red))
-    return Light(blue, green, red, light.view)
+    return replace(light, blue=blue, green=green, red=red)
+
+
+def relit(light: Light) -> Light:
+    """Suppose another brightness, where nobody is found and nobody is known.
+
+    Args:
+        light: that was supposed in vain.
+
+    Returns:
+        The next of `BRIGHTNESSES`, in turn.
+    """
+    n = (light.supposed + 1) % len(BRIGHTNESSES)
+    factor = BRIGHTNESSES[n] / BRIGHTNESSES[light.supposed]
+    return replace(_made(light.gains * factor, light.view), supposed=n)
 
 
 @compiled
 def _pulled(ratios: Floats, gains: tuple[float, float, float]) -> tuple[float, float, float]:
-    """Gains pulled towards the medians of ratios."""
-    off = np.empty(3)
+    """Gains pulled towards brightness and tint of the tags.
+
+    Every tag has a brightness of its own, all have the tint in common: log ratio = brightness of
+    the tag + tint of the channel. Solved by turns, with medians.
+    """
+    logs, count = np.log(ratios), len(ratios)
+    own, tint = np.full(count, np.nan), np.zeros(3)
     for channel in range(3):
-        off[channel] = np.log(np.median(ratios[:, channel]) / gains[channel])
-    brightness = off.mean()
-    beyond = brightness - min(max(brightness, _BAND[0]), _BAND[1])
-    off += beyond - brightness
+        logs[:, :, channel] -= np.log(gains[channel])
+    for _ in range(_TURNS):
+        for n in range(count):
+            own[n] = np.nanmean(logs[n] - tint)
+        for channel in range(3):
+            off = np.nanmedian(logs[:, :, channel] - own.reshape(-1, 1))
+            tint[channel] = off if np.isfinite(off) else 0.0
+        tint -= tint.mean()
+    brightness = np.nanmedian(own) if count else np.nan
+    if not np.isfinite(brightness):
+        return gains
+    tint += brightness - min(max(brightness, _BAND[0]), _BAND[1])
     for channel in range(3):
-        log = np.log(gains[channel]) + _RATE * off[channel]
-        off[channel] = np.exp(min(max(log, -_MOST), _MOST))
-    return off[0], off[1], off[2]
+        log = np.log(gains[channel]) + _RATE * tint[channel]
+        tint[channel] = np.exp(min(max(log, -_MOST), _MOST))
+    return tint[0], tint[1], tint[2]
 
 
 @compiled

@@ -12,7 +12,7 @@ from vision.accept import assign, detections_of, judge, light_ratios
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
-from vision.light import PALETTE_LIGHT, Light, taught, watched
+from vision.light import PALETTE_LIGHT, Light, relit, taught, watched
 from vision.pose import fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
@@ -20,6 +20,7 @@ from vision.segment import Blobs, find_blobs
 Floats = NDArray[np.float64]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
+_SLACK = 3.0  # in the light on robots that are where they are expected
 _STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
@@ -68,6 +69,8 @@ def locate(
     if missing.any():
         more, rejected = _search(frame, eye, missing, found, light)
         found += more
+    if not found and not predictions:
+        light = relit(light)
     order = {robot_id: rank for rank, robot_id in enumerate(eye.tags.ids)}
     ranked = sorted(found, key=lambda detection: order[detection.robot_id])
     return Scene(frame.t_capture, tuple(ranked), rejected, light)
@@ -87,7 +90,7 @@ def _follow(
     start = Candidates(eye.looks.shape_of[tags], poses, centers, np.ones(len(known)))
     possible = tags[:, None] == np.arange(len(eye.tags.tags))
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
-    verdict = judge(fit, start, eye, possible, light.gains)
+    verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
     chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
