@@ -1,0 +1,1 @@
+"""Learning what the eye needs from pictures: colours, camera."""
