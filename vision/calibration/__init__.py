@@ -1,1 +1,1 @@
-"""Learning what the eye needs from pictures: colours, camera."""
+"""Learning a camera and its colours from pictures."""
