@@ -59,9 +59,7 @@ class BoardFilm:
             Shape (H, W, 3), BGR.
         """
         moved = self._camera.rotation @ translation + self._camera.translation
-        camera = replace(
-            self._camera, rotation=self._camera.rotation @ rotation, translation=moved
-        )
+        camera = replace(self._camera, rotation=self._camera.rotation @ rotation, translation=moved)
         paper, ink = (_covered(camera, outline) for outline in (self._paper, self._cells))
         image = self._floor * (1.0 - paper) + _PAPER * paper - (_PAPER - _INK) * ink
         image = self._sensor.blur(np.asarray(image * self._light, np.float32))

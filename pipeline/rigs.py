@@ -22,7 +22,7 @@ from pipeline.radios.miabot_text import Drive
 from pipeline.radios.none import NoRadio
 from pipeline.radios.open import open_radio
 from pipeline.radios.simulated import SimulatedRadio
-from pipeline.seeing import make_camera, make_tags, named_colors
+from pipeline.seeing import make_camera, make_tags, named_colors, require_floor
 
 
 class Tee:
@@ -133,7 +133,11 @@ def make_renderer(scenario: Scenario, seed: int = 0) -> Renderer:
 
     Returns:
         The renderer.
+
+    Raises:
+        ConfigError: if the camera's floor is unknown.
     """
+    require_floor(scenario.camera, "the rendered camera")
     return Renderer(
         make_camera(scenario.camera),
         make_tags(scenario),

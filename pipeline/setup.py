@@ -60,6 +60,7 @@ class Setup:
         command_validity: a command older than this is never sent [s].
         watch_time: how long moving robots are watched before the start; 0: they rest [s].
         duration: of the mission [s].
+        floor_known: whether poses in metres mean anything.
         any_size: whether frames of another size are looked at through the same field of view.
         eye: how frames of the camera's own size are looked at.
     """
@@ -82,6 +83,7 @@ class Setup:
     command_validity: float
     watch_time: float
     duration: float
+    floor_known: bool
     any_size: bool
     eye: Eye
     _eyes: dict[tuple[int, int], Eye] = field(default_factory=dict, repr=False)
@@ -148,7 +150,8 @@ def make_scores(setup: Setup) -> Scores:
 
 
 def _setup(scenario: Scenario, period: float) -> Setup:
-    camera, tags = make_camera(scenario.camera), make_tags(scenario)
+    tags = make_tags(scenario)
+    camera = make_camera(scenario.camera, tags.tags[0].side)
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
     return Setup(
@@ -170,6 +173,7 @@ def _setup(scenario: Scenario, period: float) -> Setup:
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
+        floor_known=scenario.camera.floor_known,
         any_size=scenario.camera.other_sizes == "scale",
         eye=scenario_eye(scenario, camera, tags),
     )

@@ -3,6 +3,8 @@
 import typer
 
 from pipeline.cli import later
+from pipeline.cli.calibrate_board import board
+from pipeline.cli.calibrate_camera import camera
 from pipeline.cli.calibrate_colors import colors
 
 calibrate = typer.Typer(
@@ -11,5 +13,6 @@ calibrate = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-calibrate.command()(colors)
+for command in (camera, board, colors):
+    calibrate.command()(command)
 later.register(calibrate, later.CALIBRATE)

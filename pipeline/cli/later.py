@@ -14,7 +14,6 @@ LATER = {
 }
 
 CALIBRATE = {
-    "camera": "lens and floor plane from pictures; until then: write [camera] by hand",
     "robots": "lag and speed errors from a drive; until then: write [[robots]] by hand",
 }
 

@@ -17,6 +17,7 @@ from pipeline.live import Rig, run
 from pipeline.radios.none import NoRadio
 from pipeline.replay import Difference, replay
 from pipeline.scenario import load_scenario, parse_scenario
+from pipeline.seeing import require_floor
 from pipeline.setup import make_scores, make_setup
 
 DIFFERENT = 5
@@ -108,6 +109,7 @@ def replay_footage(
         Exit: with status 130 after Ctrl-C.
     """
     used = load_scenario(scenario, overrides)
+    require_floor(used.camera, "replay")
     setup, footage = make_setup(used), read_frames(source, fps)
     scores = make_scores(setup)
     camera = FootageCamera(footage, used.camera.latency_s)

@@ -20,6 +20,7 @@ from pipeline.ports import Observer
 from pipeline.progress import Progress
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
+from pipeline.seeing import require_floor
 from pipeline.setup import Setup, make_scores, make_setup
 from pipeline.trajectory import TrajectoryFile
 
@@ -90,6 +91,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         Exit: with status 4 after a safety stop, 130 after Ctrl-C.
     """
     scenario = _scenario(request)
+    require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
         scenario = _paced(scenario, rig.sink.min_period, output)

@@ -16,13 +16,19 @@ from vision.camera import CameraModel
 
 Floats = NDArray[np.float64]
 
-BOARD = Board()
+BOARD = Board(square=0.048, marker=0.034)  # fills an A3 sheet
 SENSOR = SensorModel(read_noise=3.0, blur_px=0.6, uneven_light=0.3)
-PLACES = ((0.0, 0.0, 0.0), (-0.5, 0.35, 0.5), (0.45, 0.3, 1.0), (0.4, -0.35, 2.0), (-0.5, -0.3, 4.0))
+PLACES = (
+    (0.0, 0.0, 0.0),
+    (-0.5, 0.35, 0.5),
+    (0.45, 0.3, 1.0),
+    (0.4, -0.35, 2.0),
+    (-0.5, -0.3, 4.0),
+)
 
 
 def tilted(width: int = 640, tilt_deg: float = 12.0) -> CameraModel:
-    """A wide, distorted, tilted, turned camera off the centre with oblong pixels: 1.9 m of floor."""
+    """A wide, distorted, tilted, turned camera with oblong pixels over 1.9 m of floor."""
     a, b = radians(180.0 - tilt_deg), radians(20.0)
     lean = np.array([[1, 0, 0], [0, cos(a), -sin(a)], [0, sin(a), cos(a)]])
     turn = np.array([[cos(b), -sin(b), 0], [sin(b), cos(b), 0], [0, 0, 1]])

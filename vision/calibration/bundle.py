@@ -227,7 +227,8 @@ def placed(points: Floats, place: Floats) -> Floats:
     """
     c, s = np.cos(place[2]), np.sin(place[2])
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    return points @ turn.T + (place[0], place[1], 0.0)
+    moved: Floats = points @ turn.T + (place[0], place[1], 0.0)
+    return moved
 
 
 def _moved(problem: Problem, state: State, step: Floats) -> State:

@@ -44,7 +44,29 @@ class FloorFrame:
             Shape (N, 3) [m].
         """
         place = np.array((self.x, self.y, self.turn))
-        return placed(on_board, place) + (0.0, 0.0, self.thickness)
+        lifted: Floats = placed(on_board, place) + (0.0, 0.0, self.thickness)
+        return lifted
+
+
+@dataclass(frozen=True, slots=True)
+class FittedFloor:
+    """The floor, and how well it is known.
+
+    Attributes:
+        pose: shape (6,), Rodrigues rotation [rad] and translation [m] of the floor frame in the
+            camera's.
+        covariance: shape (15, 15), of lens and pose together.
+        errors: shape (N,), how far corners or points are off when they are measured with a floor
+            that was fitted without them [m].
+        rms_px: misfit of the views or points that gave it [px].
+        views: how many views of a board gave it; 0 if points did.
+    """
+
+    pose: Floats
+    covariance: Floats
+    errors: Floats
+    rms_px: float
+    views: int
 
 
 def camera_of(
@@ -85,9 +107,9 @@ def place_on(floor: Floats, board: Floats) -> Floats:
     return np.array((x, y, np.arctan2(rotation[1, 0], rotation[0, 0])))
 
 
-def with_floor(problem: Problem, state: State, boards: Sequence[Seen], frame: FloorFrame) -> (
-    tuple[Problem, State]
-):
+def with_floor(
+    problem: Problem, state: State, boards: Sequence[Seen], frame: FloorFrame
+) -> tuple[Problem, State]:
     """Add boards on the floor to a problem, the first one as the anchor of the floor frame.
 
     Args:
@@ -111,33 +133,34 @@ def with_floor(problem: Problem, state: State, boards: Sequence[Seen], frame: Fl
 
 
 def floor_spread(
-    size_px: tuple[int, int], fit: Fit, tag_height: float
+    size_px: tuple[int, int], lens: Floats, floor: Floats, covariance: Floats, tag_height: float
 ) -> tuple[Floats, Floats]:
     """Expected error of floor positions all over the image, from the fit's covariance.
 
     Args:
         size_px: width and height of the image [px].
-        fit: with a floor.
+        lens: shape (9,).
+        floor: shape (6,).
+        covariance: shape (15, 15), of both.
         tag_height: of the tags [m].
 
     Returns:
         Pixels, shape (G, 2) [px], and the standard deviation of the distance from the true place,
         shape (G,) [m]; NaN where a pixel sees no floor.
     """
-    grid = image_grid(size_px)
-    values = np.concatenate((fit.state.lens, fit.state.floor))
-    steps = 1e-6 * np.maximum(np.abs(values), 1.0)
+    grid, values = image_grid(size_px), np.concatenate((lens, floor))
+
+    def places(numbers: Floats) -> Floats:
+        camera = camera_of(size_px, numbers[:LENS], numbers[LENS:], tag_height)
+        return camera.to_floor(grid, tag_height)
+
     slopes = []
-    for index, step in enumerate(steps):
-        ends = []
-        for sign in (1.0, -1.0):
-            moved = values.copy()
-            moved[index] += sign * step
-            camera = camera_of(size_px, moved[:LENS], moved[LENS:], tag_height)
-            ends.append(camera.to_floor(grid, tag_height))
-        slopes.append((ends[0] - ends[1]) / (2.0 * step))
+    for index, value in enumerate(values):
+        step = np.zeros_like(values)
+        step[index] = 1e-6 * max(abs(value), 1.0)
+        slopes.append((places(values + step) - places(values - step)) / (2.0 * step[index]))
     slope = np.stack(slopes, axis=-1)  # (G, 2, 15)
-    variance = np.einsum("gip,pq,giq->g", slope, fit.covariance, slope)
+    variance = np.einsum("gip,pq,giq->g", slope, covariance, slope)
     return grid, np.sqrt(np.maximum(variance, 0.0))
 
 
@@ -203,9 +226,7 @@ def floor_from(boards: Sequence[Seen], lens: Floats) -> Floats:
     return fit.state.floor
 
 
-def _halves(
-    size_px: tuple[int, int], board: Seen, lens: Floats, thickness: float
-) -> Floats:
+def _halves(size_px: tuple[int, int], board: Seen, lens: Floats, thickness: float) -> Floats:
     """Errors of each half of a board, measured with the other half."""
     points = board.points - board.points.mean(axis=0)
     axis = np.linalg.svd(points[:, :2])[2][0]

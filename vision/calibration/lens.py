@@ -67,7 +67,8 @@ def first_guess(seen: Sequence[Seen], size_px: tuple[int, int]) -> State:
     lens = np.concatenate(
         ((matrix[0, 0], matrix[1, 1], matrix[0, 2], matrix[1, 2]), np.ravel(distortion)[:5])
     )
-    held = np.hstack((np.reshape(turns, (-1, 3)), np.reshape(ways, (-1, 3))))
+    poses = np.hstack((np.reshape(turns, (-1, 3)), np.reshape(ways, (-1, 3))))
+    held = np.asarray(poses, np.float64)
     if not (np.isfinite(lens).all() and np.isfinite(held).all()):
         raise VisionError("the views fit no camera: take more pictures, with the board tilted")
     return State(lens, held, np.zeros(POSE), np.zeros((0, 3)))
@@ -157,7 +158,7 @@ def pose_of(seen: Seen, lens: Floats) -> Floats:
 _NOWHERE = np.zeros((0, 3))
 
 
-def cross_validated(problem: Problem, fit: Fit) -> tuple[float, tuple[State, ...]]:
+def cross_validated(problem: Problem, fit: Fit) -> float:
     """Predict every held view with a lens that was fitted without it.
 
     Args:
@@ -165,21 +166,18 @@ def cross_validated(problem: Problem, fit: Fit) -> tuple[float, tuple[State, ...
         fit: its fit.
 
     Returns:
-        Root mean square distance of the corners from their predictions [px], and the states of the
-        fits, each without every `FOLDS`-th view.
+        Root mean square distance of the corners from their predictions [px]; every fit is without
+        every `FOLDS`-th view.
     """
-    squares, states = [], []
+    squares = []
     count = len(problem.held)
     for first in range(min(FOLDS, count)):
         out = np.arange(count) % FOLDS == first
         kept = tuple(s for s, o in zip(problem.held, out, strict=True) if not o)
         start = replace(fit.state, held=fit.state.held[~out])
-        state = adjust(replace(problem, held=kept), start).state
-        states.append(state)
-        for seen, pose in zip(
-            (s for s, o in zip(problem.held, out, strict=True) if o), fit.state.held[out],
-            strict=True,
-        ):  # fmt: skip
-            alone = State(state.lens, pose[None], np.zeros(POSE), _NOWHERE)
-            squares.append(adjust(Problem((seen,), None, (), _NO_LENS), alone).residuals[0] ** 2)
-    return float(np.sqrt(np.vstack(squares).sum(axis=1).mean())), tuple(states)
+        lens = adjust(replace(problem, held=kept), start).state.lens
+        for index in np.flatnonzero(out).tolist():
+            alone = State(lens, fit.state.held[index : index + 1], np.zeros(POSE), _NOWHERE)
+            single = Problem((problem.held[index],), None, (), _NO_LENS)
+            squares.append(adjust(single, alone).residuals[0] ** 2)
+    return float(np.sqrt(np.vstack(squares).sum(axis=1).mean()))

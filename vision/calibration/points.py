@@ -16,6 +16,7 @@ Floats = NDArray[np.float64]
 
 LEAST_POINTS = 4
 MOST_MISFIT = 0.005  # rms distance of points from their predictions, of the image's width
+LEAST_CLICK_PX = 0.3  # nobody gives pixels better than that, however well few of them fit
 _FLAT = 0.03  # extent across the longest direction by that along it: less is a line
 _BETTER = 0.3  # without the wrong point the rest fits so much better
 _NO_TERMS = np.zeros(LENS, np.bool_)
@@ -53,7 +54,7 @@ def seen_points(points: Sequence[KnownPoint]) -> Seen:
 
 def floor_of_points(
     points: Sequence[KnownPoint], lens: Floats, spread: Floats, size_px: tuple[int, int]
-) -> tuple[Problem, Fit, Floats]:
+) -> tuple[Fit, Floats]:
     """Fit the floor to known points under a known lens.
 
     Args:
@@ -63,8 +64,8 @@ def floor_of_points(
         size_px: width and height of the image [px].
 
     Returns:
-        Problem, fit (its covariance takes in the lens's), and how far every point is from where a
-        floor fitted without it puts it, shape (N,) [m].
+        The fit, its covariance taking in the lens's, and how far every point is from where a floor
+        fitted without it puts it, shape (N,) [m].
 
     Raises:
         VisionError: if the points are too few, on one line, outside the image, mirrored, or if one
@@ -73,14 +74,14 @@ def floor_of_points(
     _check(points, size_px)
     problem, fit = _fit(seen_points(points), lens)
     _check_fit(points, lens, fit, MOST_MISFIT * size_px[0])
-    covariance = fit.covariance.copy()
+    covariance = fit.covariance * max(1.0, (LEAST_CLICK_PX / max(fit.rms, 1e-9)) ** 2)
     by_lens = _floor_by_lens(problem, fit)
     covariance[:LENS, :LENS] = spread
     covariance[LENS:, :LENS] = by_lens @ spread
     covariance[:LENS, LENS:] = spread @ by_lens.T
     covariance[LENS:, LENS:] += by_lens @ spread @ by_lens.T
     errors = [_left_out(points, index, lens, size_px) for index in range(len(points))]
-    return problem, replace(fit, covariance=covariance), np.array(errors)
+    return replace(fit, covariance=covariance), np.array(errors)
 
 
 def _check(points: Sequence[KnownPoint], size_px: tuple[int, int]) -> None:
@@ -188,7 +189,9 @@ def _meant(wrong: KnownPoint, x: float, y: float) -> str:
         "the decimal point of y ": (a, b / 10),
     }  # fmt: skip
     tolerance = 0.02 + 0.02 * np.hypot(x, y)
-    near = [text for text, place in guesses.items() if np.hypot(*np.subtract(place, (x, y))) < tolerance]
+    near = [
+        text for text, place in guesses.items() if np.hypot(*np.subtract(place, (x, y))) < tolerance
+    ]
     return f" ({near[0].strip()}?)" if near else ""
 
 

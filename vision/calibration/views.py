@@ -6,7 +6,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration.board import Board
 from vision.calibration.detect import BoardView
 
 Floats = NDArray[np.float64]
@@ -114,11 +113,10 @@ def different_views(views: Sequence[BoardView]) -> tuple[BoardView, ...]:
     return tuple(kept)
 
 
-def complaints(board: Board, views: Sequence[BoardView], size_px: tuple[int, int]) -> list[str]:
+def complaints(views: Sequence[BoardView], size_px: tuple[int, int]) -> list[str]:
     """Say why a set of views cannot give a lens, before anything is fitted.
 
     Args:
-        board: that was seen.
         views: what was seen.
         size_px: width and height of the image [px].
 
