@@ -12,7 +12,7 @@ from pipeline.errors import ConfigError
 from vision.calibration.board import Board, Kind
 from vision.errors import VisionError
 
-DEFAULT_BOARD = "charuco:8x5:32:23"
+DEFAULT_BOARD = "charuco:8x5:35:25"
 _SPEC = re.compile(
     r"(?P<kind>charuco|chessboard):(?P<columns>\d+)x(?P<rows>\d+):(?P<square>[\d.]+)"
     r"(?::(?P<marker>[\d.]+))?(?::(?P<dictionary>\d+x\d+_\d+))?(?P<legacy>:legacy)?"
@@ -35,7 +35,7 @@ def read_board(text: str) -> Board:
     """The board that an option names.
 
     Args:
-        text: "charuco:8x5:32:23" (squares, side of a square and of a marker in millimetres, and
+        text: "charuco:8x5:35:25" (squares, side of a square and of a marker in millimetres, and
             perhaps ":5x5_100", ":legacy"), "chessboard:10x7:25", or a TOML file with the keys of
             `BoardConfig`.
 
@@ -87,7 +87,7 @@ def _table(text: str) -> dict[str, Any]:
     found = _SPEC.fullmatch(text)
     if found is None:
         raise ConfigError(
-            f'board {text}: need "charuco:8x5:32:23" (squares, side of a square and of a marker in '
+            f'board {text}: need "charuco:8x5:35:25" (squares, side of a square and of a marker in '
             'mm), "chessboard:10x7:25" or a TOML file'
         )
     names = {"square": "square_mm", "marker": "marker_mm"}

@@ -73,8 +73,9 @@ def _draw_cells(axes: Any, board: Board, left: float, bottom: float) -> None:
     from matplotlib.collections import PolyCollection
 
     cells = list(1e3 * board.black_cells() + (left, bottom))
-    axes.add_collection(PolyCollection(cells, facecolors="black", edgecolors="black",
-                                       linewidths=_SEAM))  # fmt: skip
+    printed = PolyCollection(cells, facecolors="black", edgecolors="black", linewidths=_SEAM)
+    printed.set_snap(False)  # true scale, also in pixels
+    axes.add_collection(printed)
 
 
 def _draw_foot(axes: Any, board: Board, left: float) -> None:

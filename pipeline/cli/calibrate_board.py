@@ -14,7 +14,7 @@ def board(
         str | None,
         typer.Option(
             metavar="BOARD",
-            help="charuco:8x5:32:23 (squares, side of a square and of a marker in mm), "
+            help="charuco:8x5:35:25 (squares, side of a square and of a marker in mm), "
             "chessboard:10x7:25, or a TOML file; by default the largest that fits the paper.",
         ),
     ] = None,

@@ -21,10 +21,10 @@ def camera(
         str,
         typer.Option(
             metavar="BOARD",
-            help="charuco:8x5:32:23 (squares, side of a square and of a marker in mm), "
+            help="charuco:8x5:35:25 (squares, side of a square and of a marker in mm), "
             "chessboard:10x7:25, or a TOML file.",
         ),
-    ] = "charuco:8x5:32:23",
+    ] = "charuco:8x5:35:25",
     floor: Annotated[
         list[str] | None,
         typer.Option(

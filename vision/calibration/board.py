@@ -42,8 +42,8 @@ class Board:
     kind: Kind = "charuco"
     columns: int = 8
     rows: int = 5
-    square: float = 0.032
-    marker: float = 0.023
+    square: float = 0.035
+    marker: float = 0.025
     dictionary: str = "4x4_100"
     legacy: bool = False
 

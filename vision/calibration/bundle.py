@@ -3,8 +3,8 @@
 Parameters: the lens (fx, fy, cx, cy, k1, k2, p1, p2, k3), six numbers (Rodrigues rotation, then
 translation) for every board held freely and for the floor, and (x, y, turn) for every board that
 lies somewhere on the floor. Damped Gauss-Newton steps (Levenberg-Marquardt) on the pixels'
-residuals, with exact derivatives; the covariance is the inverse normal matrix times the variance
-of the residuals.
+residuals, with exact derivatives; free poses are eliminated view by view. The covariance is the
+inverse normal matrix times the variance of the residuals.
 """
 
 from dataclasses import dataclass, replace
@@ -106,8 +106,7 @@ def adjust(problem: Problem, start: State) -> Fit:
     state, damping = start, _DAMPING
     rows = _linear(problem, state)
     for _ in range(_STEPS):
-        normal, right = _normal(problem, rows)
-        tried = _moved(problem, state, _solved(normal, right, damping))
+        tried = _moved(problem, state, *_step(problem, rows, damping))
         after = _linear(problem, tried)
         before = _squares(rows)
         gain = before - _squares(after)
@@ -124,10 +123,18 @@ def adjust(problem: Problem, start: State) -> Fit:
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """One view's part of the linear system: its columns, derivatives and residual."""
+    """One view's part of the linear system.
+
+    Attributes:
+        columns: which of the shared unknowns it depends on: lens, floor, places on the floor.
+        shared: derivatives by these, shape (2 N, K).
+        own: derivatives by the pose of a board held freely, shape (2 N, 6) or (2 N, 0).
+        residual: shape (2 N,).
+    """
 
     columns: NDArray[np.intp]
-    slope: Floats
+    shared: Floats
+    own: Floats
     residual: Floats
 
 
@@ -136,26 +143,25 @@ def _views(problem: Problem) -> tuple[Seen, ...]:
     return (*problem.held, *anchor, *problem.laid)
 
 
-def _size(problem: Problem) -> int:
+def _shared_size(problem: Problem) -> int:
     floor = POSE if problem.anchor is not None else 0
-    return LENS + POSE * len(problem.held) + floor + PLACE * len(problem.laid)
+    return LENS + floor + PLACE * len(problem.laid)
 
 
 def _linear(problem: Problem, state: State) -> list[_Rows]:
     """The linear system, view by view."""
-    first_floor, rows = LENS + POSE * len(problem.held), []
+    lens_columns, rows = np.arange(LENS), []
     for index, seen in enumerate(_views(problem)):
         number = index - len(problem.held) - 1  # of a board after the anchor
         if number < -1:
             predicted, lens, own = projected(seen.points, state.held[index], state.lens)
-            columns = np.arange(POSE) + LENS + POSE * index
+            columns, shared = lens_columns, lens * problem.terms
         else:
-            predicted, lens, own = _floor_view(seen.points, state, number)
-            places = np.arange(PLACE if number >= 0 else 0) + POSE + PLACE * number
-            columns = first_floor + np.concatenate((np.arange(POSE), places))
-        slope = np.hstack((lens * problem.terms, own))
-        every = np.concatenate((np.arange(LENS), columns))
-        rows.append(_Rows(every, slope, seen.pixels.reshape(-1) - predicted))
+            predicted, lens, floor = _floor_view(seen.points, state, number)
+            places = np.arange(PLACE if number >= 0 else 0) + LENS + POSE + PLACE * number
+            columns = np.concatenate((np.arange(LENS + POSE), places))
+            shared, own = np.hstack((lens * problem.terms, floor)), floor[:, :0]
+        rows.append(_Rows(columns, shared, own, seen.pixels.reshape(-1) - predicted))
     return rows
 
 
@@ -174,28 +180,48 @@ def _floor_view(points: Floats, state: State, number: int) -> tuple[Floats, Floa
     return predicted, lens, np.hstack((pose, shift))
 
 
-def _normal(problem: Problem, rows: list[_Rows]) -> tuple[Floats, Floats]:
-    """Normal matrix (P, P) and right side (P,)."""
-    size = _size(problem)
+def _step(problem: Problem, rows: list[_Rows], damping: float) -> tuple[Floats, Floats]:
+    """One damped step of the shared unknowns (K,) and of the free poses (F, 6)."""
+    normal, right, eliminated = _reduced(problem, rows, damping)
+    diagonal = np.diag(normal)
+    there = diagonal > 0.0  # directions that nothing determines stay where they are
+    scale = np.sqrt(np.where(there, diagonal, 1.0))
+    scaled = normal / np.outer(scale, scale) + np.diag(np.where(there, 1e-13, 1.0))
+    shared = np.linalg.solve(scaled, right / scale) / scale
+    poses = [free - by_lens @ shared[:LENS] for free, by_lens in eliminated]
+    return shared, np.reshape(poses, (-1, POSE))
+
+
+def _reduced(
+    problem: Problem, rows: list[_Rows], damping: float
+) -> tuple[Floats, Floats, list[tuple[Floats, Floats]]]:
+    """Normal matrix (K, K) and right side (K,) of the shared unknowns, free poses eliminated.
+
+    Also, for every free pose, its step (6,) at a fixed lens and how the lens changes it (6, 9).
+    """
+    size = _shared_size(problem)
     normal, right = np.zeros((size, size)), np.zeros(size)
+    eliminated: list[tuple[Floats, Floats]] = []
     for row in rows:
-        normal[np.ix_(row.columns, row.columns)] += row.slope.T @ row.slope
-        right[row.columns] += row.slope.T @ row.residual
-    return normal, right
+        block, part = row.shared.T @ row.shared, row.shared.T @ row.residual
+        block += np.diag(damping * np.diag(block))
+        if row.own.shape[1]:
+            pose = row.own.T @ row.own
+            pose += np.diag(damping * np.diag(pose) + 1e-12 * np.trace(pose))
+            cross = row.own.T @ row.shared
+            solved: Floats = np.linalg.solve(
+                pose, np.column_stack((row.own.T @ row.residual, cross))
+            )
+            free, by_lens = solved[:, 0], solved[:, 1:]
+            eliminated.append((free, by_lens))
+            block, part = block - cross.T @ by_lens, part - cross.T @ free
+        normal[np.ix_(row.columns, row.columns)] += block
+        right[row.columns] += part
+    return normal, right, eliminated
 
 
 def _squares(rows: list[_Rows]) -> float:
     return float(sum(row.residual @ row.residual for row in rows))
-
-
-def _solved(normal: Floats, right: Floats, damping: float) -> Floats:
-    """One damped step; directions that nothing determines stay where they are."""
-    diagonal = np.diag(normal)
-    there = diagonal > 0.0
-    scale = np.sqrt(np.where(there, diagonal, 1.0))
-    scaled = normal / np.outer(scale, scale) + np.diag(np.where(there, damping + 1e-13, 1.0))
-    found: Floats = np.linalg.solve(scaled, right / scale)
-    return found / scale
 
 
 def projected(points: Floats, pose: Floats, lens: Floats) -> tuple[Floats, Floats, Floats]:
@@ -210,6 +236,7 @@ def projected(points: Floats, pose: Floats, lens: Floats) -> tuple[Floats, Float
         Pixels x0, y0, x1, ... (2 N,); derivatives by the lens (2 N, 9) and the pose (2 N, 6).
     """
     matrix = np.array([[lens[0], 0.0, lens[2]], [0.0, lens[1], lens[3]], [0.0, 0.0, 1.0]])
+    points = np.ascontiguousarray(points)  # OpenCV takes no strides
     pixels, slope = cv2.projectPoints(points, pose[:3], pose[3:], matrix, lens[4:])
     slope = np.asarray(slope, np.float64)[:, : POSE + LENS]
     return np.asarray(pixels, np.float64).reshape(-1), slope[:, POSE:], slope[:, :POSE]
@@ -231,15 +258,14 @@ def placed(points: Floats, place: Floats) -> Floats:
     return moved
 
 
-def _moved(problem: Problem, state: State, step: Floats) -> State:
+def _moved(problem: Problem, state: State, shared: Floats, poses: Floats) -> State:
     """The state one step further."""
-    held = POSE * len(problem.held)
     floor = POSE if problem.anchor is not None else 0
-    lens, poses, plane, places = np.split(step, np.cumsum((LENS, held, floor)))
+    lens, plane, places = np.split(shared, np.cumsum((LENS, floor)))
     return replace(
         state,
         lens=state.lens + lens * problem.terms,
-        held=state.held + poses.reshape(-1, POSE),
+        held=state.held + poses,
         floor=state.floor + plane if floor else state.floor,
         laid=state.laid + places.reshape(-1, PLACE),
     )
@@ -247,17 +273,16 @@ def _moved(problem: Problem, state: State, step: Floats) -> State:
 
 def _covariance(problem: Problem, rows: list[_Rows]) -> Floats:
     """Covariance of lens and floor, shape (15, 15)."""
-    normal, _ = _normal(problem, rows)
+    normal, _, eliminated = _reduced(problem, rows, 0.0)
     used = np.flatnonzero(np.diag(normal) > 0.0)
-    freedom = max(sum(len(row.residual) for row in rows) - len(used), 1)
+    unknowns = len(used) + POSE * len(eliminated)
+    freedom = max(sum(len(row.residual) for row in rows) - unknowns, 1)
     scale = np.sqrt(np.diag(normal)[used])
-    inverse = np.linalg.pinv(
-        normal[np.ix_(used, used)] / np.outer(scale, scale), rcond=1e-15, hermitian=True
-    )
+    scaled = normal[np.ix_(used, used)] / np.outer(scale, scale)
+    inverse = np.linalg.pinv(scaled, rcond=1e-15, hermitian=True) / np.outer(scale, scale)
     whole = np.zeros_like(normal)
-    whole[np.ix_(used, used)] = inverse / np.outer(scale, scale) * (_squares(rows) / freedom)
-    first = LENS + POSE * len(problem.held)
-    chosen = np.r_[:LENS, first : first + POSE] if problem.anchor is not None else np.arange(LENS)
+    whole[np.ix_(used, used)] = inverse * (_squares(rows) / freedom)
     covariance = np.zeros((LENS + POSE, LENS + POSE))
-    covariance[: len(chosen), : len(chosen)] = whole[np.ix_(chosen, chosen)]
+    count = min(len(whole), LENS + POSE)
+    covariance[:count, :count] = whole[:count, :count]
     return covariance

@@ -40,8 +40,9 @@ def fit_corners(
     for _ in range(_STEPS):
         residual, slope = _misfit(found, offsets, values)
         weighted = slope * weights[..., None]
-        normal = np.einsum("npi,npj->nij", weighted, slope) + 1e-6 * np.eye(7)
-        step = np.linalg.solve(normal, np.einsum("npi,np->ni", weighted, residual)[..., None])
+        normal = weighted.transpose(0, 2, 1) @ slope + 1e-6 * np.eye(7)
+        right = weighted.transpose(0, 2, 1) @ residual[..., None]
+        step = np.linalg.solve(normal, right)
         found = found + np.clip(step[..., 0], _LOW, -_LOW)
         found[:, 6] = np.clip(found[:, 6], -1.5, 2.0)
     residual, _ = _misfit(found, offsets, values)

@@ -13,6 +13,7 @@ Floats = NDArray[np.float64]
 Grey = NDArray[np.uint8]
 
 _LEAST_CORNERS = 6
+_LEAST_SEEN = 4  # corners that must be read before the others are looked for
 _SMALL_MARKER_PX = 24.0  # below this the marker search looks at an enlarged picture
 _CHECK = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
 _PROFILE = 25  # samples across an edge
@@ -104,8 +105,7 @@ def find_board(
     size = grey.shape[1], grey.shape[0]
     inside = (np.abs(pixels / np.subtract(size, 1) - 0.5) < 0.5).all(axis=1)
     ids, pixels = ids[inside], pixels[inside]
-    if len(ids) >= _LEAST_CORNERS:
-        ids, pixels = _refined(grey, board, ids, pixels)
+    ids, pixels = _refined(grey, board, ids, pixels)
     if len(ids) < _LEAST_CORNERS or _on_one_line(board.corners[ids, :2]):
         return f"{len(ids)} corners of the board are seen, too few or on one line"
     return make_view(name, size, ids, pixels, _edge_width(grey, board, ids, pixels))
@@ -192,23 +192,32 @@ def _any_marker() -> cv2.aruco.CharucoParameters:
 def _refined(
     grey: Grey, board: Board, ids: NDArray[np.intp], pixels: Floats
 ) -> tuple[NDArray[np.intp], Floats]:
-    """Corners fitted to the pixels; those that the edges do not support are dropped."""
-    flat = board.corners[ids, :2]
-    matrix = cv2.findHomography(flat, pixels, cv2.LMEDS)[0]
-    if matrix is None:
-        return ids[:0], pixels[:0]
-    slopes = board.square * _slopes(np.asarray(matrix, np.float64), flat)
+    """Corners fitted to the pixels; those that the edges do not support are dropped.
+
+    Corners whose markers could not be read are looked for where the others put them.
+    """
     gap = 0.5 * (board.square - board.marker) / board.square if board.kind == "charuco" else 1.0
-    fitted, good = fit_corners(grey, pixels, slopes, gap)
-    return ids[good], fitted[good]
+    every = np.arange(len(board.corners))
+    for missing in (every[:0], np.setdiff1d(every, ids)):
+        if len(ids) < _LEAST_SEEN or _on_one_line(board.corners[ids, :2]):
+            return ids[:0], pixels[:0]
+        matrix = np.asarray(cv2.findHomography(board.corners[ids, :2], pixels)[0], np.float64)
+        ids = np.concatenate((ids, missing))
+        guesses, slopes = _predicted(matrix, board.corners[ids, :2])
+        guesses[: len(pixels)] = pixels
+        near = (np.abs(guesses / (grey.shape[1], grey.shape[0]) - 0.5) < 0.5).all(axis=1)
+        ids, guesses, slopes = ids[near], guesses[near], slopes[near]
+        pixels, good = fit_corners(grey, guesses, board.square * slopes, gap)
+        ids, pixels = ids[good], pixels[good]
+    return ids, pixels
 
 
-def _slopes(matrix: Floats, points: Floats) -> Floats:
-    """Derivatives of a homography at points (N, 2), shape (N, 2, 2); columns: along x, down y."""
+def _predicted(matrix: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """Pixels of a homography at points (N, 2), and derivatives (N, 2, 2) along x and down y."""
     lifted = np.column_stack((points, np.ones(len(points)))) @ matrix.T
     pixel = lifted[:, :2] / lifted[:, 2:]
     slope = (matrix[:2, :2] - pixel[:, :, None] * matrix[2, :2]) / lifted[:, 2:, None]
-    return slope * (1.0, -1.0)
+    return pixel, slope * (1.0, -1.0)
 
 
 def _neighbours(

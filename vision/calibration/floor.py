@@ -44,7 +44,8 @@ class FloorFrame:
             Shape (N, 3) [m].
         """
         place = np.array((self.x, self.y, self.turn))
-        lifted: Floats = placed(on_board, place) + (0.0, 0.0, self.thickness)
+        lifted = placed(on_board, place)
+        lifted[:, 2] += self.thickness
         return lifted
 
 
