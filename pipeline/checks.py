@@ -166,7 +166,10 @@ def _smallest_gap(places: dict[object, Pose2D]) -> float:
 
 
 def _camera(setup: Setup) -> Iterator[Finding]:
-    """How large a robot appears."""
+    """Whether pixels give metres, and how large a robot appears."""
+    if not setup.floor_known:
+        detail = "unknown, so pixels give no metres: echelon calibrate camera --floor or --points"
+        yield Finding("floor", False, detail)
     middle = setup.path.at(0.5 * setup.duration).state.pose
     scale = float(np.sqrt(abs(np.linalg.det(setup.camera.local_affine(middle)))))
     size = setup.tags.tags[0].side * scale

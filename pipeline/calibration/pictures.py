@@ -114,9 +114,8 @@ def gather_floor(
         else:
             frames = _frames(source, size_px, interrupted)
             found = _from_stream(frames, board, 1, everywhere=False)
-        if not found.views:
+        if found.unused or not found.views:  # a lost first picture would move the floor frame
             raise ConfigError(f"floor: {'; '.join(found.unused) or f'{source}: no board seen'}")
-        gathered.unused += found.unused
         for view in found.views:
             gathered.add(replace(view, name=f"floor {view.name}"), found.images[view.name])
     return gathered

@@ -209,9 +209,8 @@ def _reduced(
             pose = row.own.T @ row.own
             pose += np.diag(damping * np.diag(pose) + 1e-12 * np.trace(pose))
             cross = row.own.T @ row.shared
-            solved: Floats = np.linalg.solve(
-                pose, np.column_stack((row.own.T @ row.residual, cross))
-            )
+            sides = np.column_stack((row.own.T @ row.residual, cross))
+            solved = np.asarray(np.linalg.solve(pose, sides), np.float64)
             free, by_lens = solved[:, 0], solved[:, 1:]
             eliminated.append((free, by_lens))
             block, part = block - cross.T @ by_lens, part - cross.T @ free

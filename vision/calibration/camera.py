@@ -33,6 +33,7 @@ Floats = NDArray[np.float64]
 
 GIVEN = "given"  # the terms of a lens that was not fitted
 _EXACT = np.zeros((LENS, LENS))
+_LEAST_CORNERS = 6
 _ROUNDS = 3  # of leaving out mistaken corners
 _ALL_TERMS = np.ones(LENS, np.bool_)
 _NO_TERMS = np.zeros(LENS, np.bool_)
@@ -127,31 +128,45 @@ def calibrate_lens(
     size_px = both[0].size_px if both else (0, 0)
     _refuse(complaints(both, size_px))
     _refuse_twins(board, laid)
-    left_out: list[str] = []
-    held, laid = tuple(views), tuple(laid)
-    problem, state = _start(board, held, laid, frame, size_px)
-    fit, problem, terms = choose_terms(problem, state)
-    for _ in range(_ROUNDS):
-        flags = mistaken(fit)
-        if not any(f.any() for f in flags):
-            break
-        held, laid, said = _without(held, laid, flags)
-        left_out += said
-        _refuse(too_few(held, laid, len(both) - len(views), left_out, fit))
-        problem, state = _start(board, held, laid, frame, size_px)
-        fit, problem, terms = choose_terms(problem, state)
-    _refuse(lens_doubts(fit, problem, held, laid, size_px))
+    used = _Views(tuple(views), tuple(laid), ())
+    problem, fit, terms, used = _robust(board, used, frame, size_px)
+    _refuse(lens_doubts(fit, problem, (*used.held, *used.laid), size_px))
     return Calibration(
         size_px=size_px,
         lens=fit.state.lens,
         covariance=fit.covariance[:LENS, :LENS],
         terms=terms,
-        views=(*held, *laid),
+        views=(*used.held, *used.laid),
         residuals=fit.residuals,
-        left_out=tuple(left_out),
+        left_out=used.left_out,
         cross_px=cross_validated(problem, fit),
         floor=_floor(problem, fit, frame, size_px) if laid else None,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Views:
+    """Views in the hands, on the floor, and sentences on what was left out."""
+
+    held: tuple[BoardView, ...]
+    laid: tuple[BoardView, ...]
+    left_out: tuple[str, ...]
+
+
+def _robust(
+    board: Board, views: _Views, frame: FloorFrame, size_px: tuple[int, int]
+) -> tuple[Problem, Fit, str, _Views]:
+    """Fit, leave out mistaken corners, fit again."""
+    for remaining in range(_ROUNDS, -1, -1):
+        problem, state = _start(board, views.held, views.laid, frame, size_px)
+        fit, problem, terms = choose_terms(problem, state)
+        flags = mistaken(fit)
+        if not remaining or not any(f.any() for f in flags):
+            break
+        less = _without(views, flags)
+        _refuse(too_few(views.laid, less.held, less.laid, less.left_out, fit))
+        views = less
+    return problem, fit, terms, views
 
 
 def calibrate_floor(
@@ -175,26 +190,33 @@ def calibrate_floor(
         VisionError: if the views do not fit the lens or each other.
     """
     _refuse_twins(board, laid)
-    size_px, laid = laid[0].size_px, tuple(laid)
-    alone = Problem((), None, (), _NO_TERMS)
-    state = State(lens, np.zeros((0, 6)), np.zeros(6), np.zeros((0, 3)))
-    fit = adjust(*with_floor(alone, state, [seen_on(board, v) for v in laid], frame))
-    _, laid, said = _without((), laid, mistaken(fit))
-    _refuse(too_few((), laid, 1, said, fit, least=0))
-    problem, state = with_floor(alone, state, [seen_on(board, v) for v in laid], frame)
+    size_px, views = laid[0].size_px, _Views((), tuple(laid), ())
+    fit = adjust(*_floor_problem(board, lens, views.laid, frame))
+    less = _without(views, mistaken(fit))
+    _refuse(too_few(laid, (), less.laid, less.left_out, fit, least=1))
+    problem, state = _floor_problem(board, lens, less.laid, frame)
     fit = adjust(problem, state)
-    _refuse(too_large(fit, laid, size_px))
+    _refuse(too_large(fit, less.laid, size_px))
     return Calibration(
         size_px=size_px,
         lens=lens,
         covariance=_EXACT,
         terms=GIVEN,
-        views=laid,
+        views=less.laid,
         residuals=fit.residuals,
-        left_out=tuple(said),
+        left_out=less.left_out,
         cross_px=float("nan"),
         floor=_floor(problem, fit, frame, size_px),
     )
+
+
+def _floor_problem(
+    board: Board, lens: Floats, laid: Sequence[BoardView], frame: FloorFrame
+) -> tuple[Problem, State]:
+    """Boards on the floor under a known lens, and a first guess."""
+    alone = Problem((), None, (), _NO_TERMS)
+    state = State(lens, np.zeros((0, 6)), np.zeros(6), np.zeros((0, 3)))
+    return with_floor(alone, state, [seen_on(board, view) for view in laid], frame)
 
 
 def given_lens(lens: Floats, size_px: tuple[int, int]) -> Calibration:
@@ -273,20 +295,18 @@ def _start(
 _EARLY = np.array([True] * 4 + [True] + [False] * 4)  # k1 alone is safe before anything is known
 
 
-def _without(
-    held: tuple[BoardView, ...], laid: tuple[BoardView, ...], flags: Sequence[NDArray[np.bool_]]
-) -> tuple[tuple[BoardView, ...], tuple[BoardView, ...], list[str]]:
+def _without(views: _Views, flags: Sequence[NDArray[np.bool_]]) -> _Views:
     """Views without mistaken corners, and without views in which a third are mistaken."""
-    said: list[str] = []
+    said = list(views.left_out)
     kept: list[BoardView | None] = []
-    for view, wrong in zip((*held, *laid), flags, strict=True):
-        small = len(wrong) - wrong.sum() < 6
-        if 3 * wrong.sum() > len(wrong) or small:
-            said.append(f"{view.name}: left out, {wrong.sum()} of {len(wrong)} corners do not fit")
+    for view, wrong in zip((*views.held, *views.laid), flags, strict=True):
+        count = int(wrong.sum())
+        if 3 * count > len(wrong) or len(wrong) - count < _LEAST_CORNERS:
+            said.append(f"{view.name}: left out, {count} of {len(wrong)} corners do not fit")
             kept.append(None)
             continue
-        if wrong.any():
-            said.append(f"{view.name}: {wrong.sum()} of {len(wrong)} corners left out")
+        if count:
+            said.append(f"{view.name}: {count} of {len(wrong)} corners left out")
         kept.append(view.at(~wrong))
-    free, flat = kept[: len(held)], kept[len(held) :]
-    return tuple(v for v in free if v), tuple(v for v in flat if v), said
+    held, laid = kept[: len(views.held)], kept[len(views.held) :]
+    return _Views(tuple(v for v in held if v), tuple(v for v in laid if v), tuple(said))

@@ -20,19 +20,19 @@ MOST_FLOOR_PX = 1.0  # expected error on the floor, in pixels
 
 
 def too_few(
+    before: Sequence[BoardView],
     held: Sequence[BoardView],
     laid: Sequence[BoardView],
-    on_floor: int,
     said: Sequence[str],
     fit: Fit,
     least: int = LEAST_VIEWS,
 ) -> list[str]:
-    """Complain when views that do not fit leave too few.
+    """Complain when views that do not fit leave too few, or not the one that gives the floor frame.
 
     Args:
+        before: views that were on the floor, the first one giving the frame.
         held: views left, in the hands.
         laid: views left, on the floor.
-        on_floor: views that were on the floor.
         said: what was left out.
         fit: of all views.
         least: views needed.
@@ -40,20 +40,20 @@ def too_few(
     Returns:
         Sentences; none if there are enough.
     """
-    if len(held) + len(laid) >= least and (laid or not on_floor):
+    if before and (not laid or laid[0].name != before[0].name):
+        return [f"{before[0].name} gives the floor frame, but does not fit: {'; '.join(said)}"]
+    if len(held) + len(laid) >= least:
         return []
-    what = "no view of the floor" if on_floor and not laid else f"{len(held) + len(laid)} views"
     return [
         f"the views do not fit one flat board and one camera (reprojection error {fit.rms:.2f} "
-        f"px); without the worst, {what} would be left: {'; '.join(said)}"
+        f"px); without the worst, {len(held) + len(laid)} would be left: {'; '.join(said)}"
     ]
 
 
 def lens_doubts(
     fit: Fit,
     problem: Problem,
-    held: Sequence[BoardView],
-    laid: Sequence[BoardView],
+    views: Sequence[BoardView],
     size_px: tuple[int, int],
 ) -> list[str]:
     """Say why a lens is not to be trusted.
@@ -61,14 +61,13 @@ def lens_doubts(
     Args:
         fit: of the lens.
         problem: what was fitted.
-        held: views in the hands.
-        laid: views on the floor.
+        views: in the order of the fit.
         size_px: width and height of the image [px].
 
     Returns:
         Sentences; none if it is good.
     """
-    found = too_large(fit, (*held, *laid), size_px)
+    found = too_large(fit, views, size_px)
     tilt = np.degrees(largest_tilt(problem, fit.state))
     if tilt < LEAST_TILT_DEG:
         found.append(
@@ -82,7 +81,7 @@ def lens_doubts(
             f"({100 * MOST_FOCAL:.0f} % needed): tilt the board more, and show it closer"
         )
     if not found and not _sees_everywhere(fit.state.lens, size_px):
-        lacking = ", ".join(lacking_regions((*held, *laid), size_px)) or "the outermost corners"
+        lacking = ", ".join(lacking_regions(views, size_px)) or "the outermost corners"
         found.append(f"the lens model fails towards the border: show the board at {lacking}")
     return found
 

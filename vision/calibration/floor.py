@@ -151,7 +151,7 @@ def floor_spread(
     """
     grid, values = image_grid(size_px), np.concatenate((lens, floor))
 
-    def places(numbers: Floats) -> Floats:
+    def _places(numbers: Floats) -> Floats:
         camera = camera_of(size_px, numbers[:LENS], numbers[LENS:], tag_height)
         return camera.to_floor(grid, tag_height)
 
@@ -159,7 +159,7 @@ def floor_spread(
     for index, value in enumerate(values):
         step = np.zeros_like(values)
         step[index] = 1e-6 * max(abs(value), 1.0)
-        slopes.append((places(values + step) - places(values - step)) / (2.0 * step[index]))
+        slopes.append((_places(values + step) - _places(values - step)) / (2.0 * step[index]))
     slope = np.stack(slopes, axis=-1)  # (G, 2, 15)
     variance = np.einsum("gip,pq,giq->g", slope, covariance, slope)
     return grid, np.sqrt(np.maximum(variance, 0.0))

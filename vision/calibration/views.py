@@ -128,25 +128,35 @@ def complaints(views: Sequence[BoardView], size_px: tuple[int, int]) -> list[str
             f"{len(views)} views show the board, {LEAST_VIEWS} are needed and 15 are good: "
             "take more pictures"
         ]
-    found = []
     different = len(different_views(views))
+    found = [_crowded(views, size_px), _small(views, size_px)]
     if different < LEAST_VIEWS:
         found.append(
             f"of {len(views)} views only {different} differ ({LEAST_VIEWS} needed): move and tilt "
             "the board between pictures"
         )
+    return [sentence for sentence in found if sentence]
+
+
+def _small(views: Sequence[BoardView], size_px: tuple[int, int]) -> str:
+    """Whether the corners leave too much of the image empty."""
     share = hull_share(views, size_px)
+    if share >= LEAST_HULL:
+        return ""
     lacking = ", ".join(lacking_regions(views, size_px)) or "none"
-    if share < LEAST_HULL:
-        found.append(
-            f"the board covers {100 * share:.0f} % of the image ({100 * LEAST_HULL:.0f} % needed); "
-            f"regions without corners: {lacking}: show it there, or closer"
-        )
+    return (
+        f"the board covers {100 * share:.0f} % of the image ({100 * LEAST_HULL:.0f} % needed); "
+        f"regions without corners: {lacking}: show it there, or closer"
+    )
+
+
+def _crowded(views: Sequence[BoardView], size_px: tuple[int, int]) -> str:
+    """Whether most corners are in one place."""
     counts = region_counts(views, size_px)
-    if counts.max() > CROWD * counts.sum():
-        row, column = divmod(int(counts.argmax()), 3)
-        found.append(
-            f"{100 * counts.max() / counts.sum():.0f} % of the corners are in one ninth of the "
-            f"image, {region_name(row, column)}: show the board elsewhere, too"
-        )
-    return found
+    if counts.max() <= CROWD * counts.sum():
+        return ""
+    row, column = divmod(int(counts.argmax()), 3)
+    return (
+        f"{100 * counts.max() / counts.sum():.0f} % of the corners are in one ninth of the image, "
+        f"{region_name(row, column)}: show the board elsewhere, too"
+    )
