@@ -109,6 +109,9 @@ def calibrate_camera(request: CameraRequest, output: Output) -> None:
 
 def _check(request: CameraRequest) -> None:
     """Refuse options that contradict each other."""
+    numbers = (*request.at, request.turn_deg, request.thickness_mm, request.tag_height_mm or 0.0)
+    if not np.isfinite(numbers).all():
+        raise ConfigError(f"calibrate camera: numbers must be finite, got {numbers}")
     if request.source is None and request.lens is None:
         raise ConfigError("calibrate camera: need a SOURCE of views, or --lens with a known lens")
     if request.source is not None and request.lens is not None:

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.calibration.board_file import DEFAULT_BOARD, board_text, read_board
 from pipeline.calibration.fragment import read_lens
-from pipeline.calibration.pictures import gather_views
+from pipeline.calibration.pictures import camera_frames, gather_views
 from pipeline.calibration.point_file import read_points
 from pipeline.calibration.sheet import PAPERS, print_board
 from pipeline.errors import ConfigError
@@ -271,4 +271,7 @@ def test_views_are_chosen_from_a_video(tmp_path: Path) -> None:
     writer.close()
     gathered = gather_views(str(tmp_path / "board.mp4"), BOARD, 6, None, lambda: False)
     assert [view.name for view in gathered.views] == ["frame 1", "frame 4", "frame 7", "frame 10"]
+    live = list(camera_frames(str(tmp_path / "board.mp4"), None, lambda: False))
+    assert 1 <= len(live) <= number
+    assert list(camera_frames(str(tmp_path / "board.mp4"), None, lambda: True)) == []
     assert set(gathered.images) == {view.name for view in gathered.views}

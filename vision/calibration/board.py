@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 Kind = Literal["charuco", "chessboard"]
 
 DICTIONARIES = ("4x4_50", "4x4_100", "4x4_250", "5x5_100", "5x5_250", "6x6_250", "7x7_250")
-_LEAST_SQUARES, _MOST_SQUARES = 3, 60
+_LEAST_SQUARES, _MOST_SQUARES, _LEAST_CORNERS = 3, 60, 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,8 @@ class Board:
         named = f"board of {self.columns} x {self.rows} squares"
         if not _LEAST_SQUARES <= min(self.columns, self.rows) <= _MOST_SQUARES >= self.columns:
             raise VisionError(f"{named}: need {_LEAST_SQUARES} to {_MOST_SQUARES} either way")
+        if (self.columns - 1) * (self.rows - 1) < _LEAST_CORNERS:
+            raise VisionError(f"{named}: has fewer than {_LEAST_CORNERS} inner corners")
         if not 0.0 < self.square < 10.0:
             raise VisionError(f"{named}: a square of {1e3 * self.square:g} mm")
         if self.kind == "charuco" and not 0.0 < self.marker < self.square:
