@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from pipeline.config import LensConfig
 from pipeline.errors import ConfigError
-from vision.calibration.camera import Calibration
+from vision.calibration.result import Calibration
 
 Floats = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.viewers.overlay import ACCEPTED, FONT, REJECTED, SUBPIXEL, WIDTH
-from vision.calibration.camera import Calibration
 from vision.calibration.detect import BoardView
+from vision.calibration.result import Calibration
 from vision.calibration.views import region_counts
 from vision.camera import CameraModel
 

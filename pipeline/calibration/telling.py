@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.calibration.camera import Calibration
 from vision.calibration.floor import floor_spread
+from vision.calibration.result import Calibration
 
 Floats = NDArray[np.float64]
 

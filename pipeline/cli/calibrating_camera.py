@@ -18,15 +18,10 @@ from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
 from pipeline.viewers.overlay import write_picture
 from vision.calibration.board import Board
-from vision.calibration.camera import (
-    Calibration,
-    calibrate_floor,
-    calibrate_lens,
-    given_lens,
-    with_points,
-)
+from vision.calibration.camera import calibrate_floor, calibrate_lens, with_points
 from vision.calibration.detect import BoardView
 from vision.calibration.floor import FloorFrame
+from vision.calibration.result import Calibration, given_lens
 from vision.errors import VisionError
 
 Image = NDArray[np.uint8]

@@ -24,15 +24,11 @@ from tests.vision.filmed_boards import (
 )
 from vision.calibration.board import Board
 from vision.calibration.bundle import LENS, Problem, Seen, State, adjust, projected
-from vision.calibration.camera import (
-    calibrate_floor,
-    calibrate_lens,
-    given_lens,
-    with_points,
-)
+from vision.calibration.camera import calibrate_floor, calibrate_lens, with_points
 from vision.calibration.detect import BoardView, find_board, make_view
 from vision.calibration.floor import FloorFrame, floor_spread
 from vision.calibration.points import KnownPoint
+from vision.calibration.result import given_lens
 from vision.calibration.selection import Selection, offer
 from vision.calibration.views import complaints, lacking_regions
 from vision.camera import CameraModel

@@ -9,11 +9,10 @@ from numpy.typing import NDArray
 from vision.calibration.board import Board
 from vision.calibration.bundle import LENS, Fit, Problem, State, adjust
 from vision.calibration.detect import BoardView
-from vision.calibration.doubts import floor_doubts, lens_doubts, too_few, too_large
+from vision.calibration.doubts import lens_doubts, too_few, too_large
 from vision.calibration.floor import (
     FittedFloor,
     FloorFrame,
-    camera_of,
     held_out_errors,
     with_floor,
 )
@@ -25,86 +24,17 @@ from vision.calibration.lens import (
     seen_on,
 )
 from vision.calibration.points import KnownPoint, floor_of_points
+from vision.calibration.result import GIVEN, Calibration
 from vision.calibration.views import complaints
-from vision.camera import CameraModel
 from vision.errors import VisionError
 
 Floats = NDArray[np.float64]
 
-GIVEN = "given"  # the terms of a lens that was not fitted
 _EXACT = np.zeros((LENS, LENS))
 _LEAST_CORNERS = 6
 _ROUNDS = 3  # of leaving out mistaken corners
 _ALL_TERMS = np.ones(LENS, np.bool_)
 _NO_TERMS = np.zeros(LENS, np.bool_)
-
-
-@dataclass(frozen=True, slots=True)
-class Calibration:
-    """A fitted camera.
-
-    Attributes:
-        size_px: width and height of the pictures [px].
-        lens: shape (9,), fx, fy, cx, cy [px], k1, k2, p1, p2, k3.
-        covariance: shape (9, 9), of the lens; zeros if it was given.
-        terms: which distortion was fitted, in words.
-        views: boards in the hands, then on the floor, without mistaken corners.
-        residuals: found minus predicted corners of the views, shape (N, 2) each [px].
-        left_out: sentences on views and corners that were left out.
-        cross_px: reprojection error of views that took no part in their lens's fit [px]; NaN if the
-            lens was given.
-        floor: if it is known.
-    """
-
-    size_px: tuple[int, int]
-    lens: Floats
-    covariance: Floats
-    terms: str
-    views: tuple[BoardView, ...]
-    residuals: tuple[Floats, ...]
-    left_out: tuple[str, ...]
-    cross_px: float
-    floor: FittedFloor | None
-
-    @property
-    def deviations(self) -> Floats:
-        """Standard deviations of the lens's numbers, shape (9,)."""
-        return np.asarray(np.sqrt(np.diag(self.covariance)), np.float64)
-
-    @property
-    def rms_px(self) -> float:
-        """Reprojection error of all corners [px]; NaN without views."""
-        if not self.residuals:
-            return float("nan")
-        return float(np.sqrt((np.vstack(self.residuals) ** 2).sum(axis=1).mean()))
-
-    def camera(self, tag_height: float) -> CameraModel:
-        """The camera model.
-
-        Args:
-            tag_height: of the tags above the floor [m].
-
-        Returns:
-            The camera.
-
-        Raises:
-            VisionError: if the floor is unknown.
-        """
-        if self.floor is None:
-            raise VisionError("the camera's floor is unknown")
-        return camera_of(self.size_px, self.lens, self.floor.pose, tag_height)
-
-    def check_floor(self, tag_height: float) -> None:
-        """Refuse a floor that is not known well enough.
-
-        Args:
-            tag_height: of the tags above the floor [m].
-
-        Raises:
-            VisionError: with the reason.
-        """
-        if self.floor is not None:
-            _refuse(floor_doubts(self.size_px, self.lens, self.floor, tag_height))
 
 
 def calibrate_lens(
@@ -217,19 +147,6 @@ def _floor_problem(
     alone = Problem((), None, (), _NO_TERMS)
     state = State(lens, np.zeros((0, 6)), np.zeros(6), np.zeros((0, 3)))
     return with_floor(alone, state, [seen_on(board, view) for view in laid], frame)
-
-
-def given_lens(lens: Floats, size_px: tuple[int, int]) -> Calibration:
-    """A lens that was calibrated before.
-
-    Args:
-        lens: shape (9,).
-        size_px: width and height of its pictures [px].
-
-    Returns:
-        A calibration without views or floor.
-    """
-    return Calibration(size_px, lens, _EXACT, GIVEN, (), (), (), float("nan"), None)
 
 
 def with_points(lens: Calibration, points: Sequence[KnownPoint]) -> Calibration:
