@@ -47,7 +47,7 @@ def print_board(board: Board, paper: str, out: Path) -> None:
     _draw_frame(axes, left, bottom)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(out, dpi=600 if out.suffix.lower() == ".png" else 72, metadata=_undated(out))
+        figure.savefig(out, dpi=300 if out.suffix.lower() == ".png" else 72, metadata=_undated(out))
     except OSError as error:
         raise ConfigError(f"{out}: cannot be written ({error.strerror})") from None
 
