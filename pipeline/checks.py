@@ -48,6 +48,9 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
 
 
 def _seeing(scenario: Scenario, seeing: Seeing) -> Iterator[Finding]:
+    if not seeing.floor_known:
+        detail = "unknown, so pixels give no metres: echelon calibrate camera --floor or --points"
+        yield Finding("floor", False, detail)
     yield from check_tags(scenario, seeing)
     yield _colors(scenario, seeing)
 

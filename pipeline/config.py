@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from pipeline.camera_config import CameraConfig
 from pipeline.section import (
     Colour,
     Finite,
@@ -21,35 +22,10 @@ from pipeline.section import (
 from pipeline.sensor_config import SensorConfig
 from pipeline.surroundings_config import SurroundingsConfig
 
-Pixels = Annotated[int, Field(ge=32, le=8192)]
 PerChannel = tuple[Positive, Positive]
 Identifier = (
     Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
 )
-
-
-class CameraConfig(Section):
-    """Where the camera hangs and what it delivers."""
-
-    width_px: Pixels = 320
-    height_px: Pixels = 240
-    fps: Annotated[float, Field(ge=1, le=1000)] = 30.0
-    field_width_m: Positive = 2.4
-    center_m: tuple[Finite, Finite] = (0.0, 0.0)
-    mount_height_m: Positive = 2.5
-    tag_height_m: NonNegative = 0.075
-    distortion: tuple[Finite, Finite, Finite, Finite, Finite] = (0.0, 0.0, 0.0, 0.0, 0.0)
-    latency_s: Seconds = 0.040
-    stamp_jitter_s: Annotated[float, Field(ge=0, le=0.1)] = 0.0
-    dropped_share: Fraction = 0.0
-    repeated_share: Fraction = 0.0
-    other_sizes: Literal["refuse", "scale"] = "refuse"
-
-    @model_validator(mode="after")
-    def _tag_below_camera(self) -> Self:
-        if self.tag_height_m >= self.mount_height_m:
-            raise ValueError("tag_height_m must be below mount_height_m")
-        return self
 
 
 class PartConfig(Section):

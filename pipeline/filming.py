@@ -12,11 +12,13 @@ from datasets.render import Renderer
 from datasets.sensor import Change, Flicker, SensorModel
 from datasets.surroundings import Surroundings
 from datasets.things import HAND, Floats, Thing, cable_outline, outline_array, regular_outline
+from pipeline.camera_config import CameraConfig
+from pipeline.camera_model import make_camera
 from pipeline.cameras.delivery import Delivery
-from pipeline.config import CameraConfig, Scenario
+from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_tags
-from pipeline.seeing import make_camera, named_colors
+from pipeline.seeing import named_colors
 from pipeline.sensor_config import SensorConfig
 from pipeline.surroundings_config import ClutterConfig, PathConfig, ThingConfig
 

@@ -11,6 +11,7 @@ Seconds = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False)]
 Period = Annotated[float, Field(ge=0.001, le=1, allow_inf_nan=False)]
 Fraction = Annotated[float, Field(ge=0, lt=1, allow_inf_nan=False)]
 SignedFraction = Annotated[float, Field(gt=-1, lt=1, allow_inf_nan=False)]
+Pixels = Annotated[int, Field(ge=32, le=8192)]
 Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
 

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 
 import cv2
 
-from pipeline.config import CameraConfig, Scenario
+from pipeline.camera_model import make_camera
+from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_markers, make_tags, nominal_colors
 from vision.aruco import ArucoDetector
-from vision.camera import CameraModel, overhead_camera
+from vision.camera import CameraModel
 from vision.detector import ColorDetector, Detector
 from vision.errors import VisionError
 from vision.eye import Eye, make_eye
@@ -25,6 +26,7 @@ class Seeing:
     Attributes:
         name: of the scenario.
         camera: the calibrated camera.
+        floor_known: whether poses in metres mean anything.
         tags: what the robots wear.
         any_size: whether frames of another size are looked at through the same field of view.
         detector: for frames of the camera's own size.
@@ -33,6 +35,7 @@ class Seeing:
 
     name: str
     camera: CameraModel
+    floor_known: bool
     tags: TagSet
     any_size: bool
     detector: Detector
@@ -78,10 +81,12 @@ def make_seeing(scenario: Scenario) -> Seeing:
     """
     cv2.setNumThreads(1)  # on small windows threads cost more than they give, and jitter
     try:
-        camera, tags = make_camera(scenario.camera), make_tags(scenario)
+        tags = make_tags(scenario)
+        camera = make_camera(scenario.camera, tags.tags[0].side)
         build = _builder(scenario, camera, tags)
         any_size = scenario.camera.other_sizes == "scale"
-        return Seeing(scenario.name, camera, tags, any_size, build(camera), build)
+        floor_known = scenario.camera.floor_known
+        return Seeing(scenario.name, camera, floor_known, tags, any_size, build(camera), build)
     except VisionError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
 
@@ -101,25 +106,6 @@ def _builder(
         return ColorDetector(make_eye(scaled, tags, eye.palette, eye.optics, eye.thresholds))
 
     return _colored
-
-
-def make_camera(config: CameraConfig) -> CameraModel:
-    """The camera of a scenario.
-
-    Args:
-        config: where it hangs and what it delivers.
-
-    Returns:
-        The calibrated camera.
-    """
-    return overhead_camera(
-        (config.width_px, config.height_px),
-        config.field_width_m,
-        config.center_m,
-        config.mount_height_m,
-        config.tag_height_m,
-        config.distortion,
-    )
 
 
 def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:

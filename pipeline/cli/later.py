@@ -1,5 +1,7 @@
 """Commands of the contract that are not built yet: they say so, with exit status 2."""
 
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Annotated
 
 import typer
@@ -8,18 +10,22 @@ from pipeline.errors import ConfigError
 
 LATER = {
     "simulate": "control without a camera, batched; until then: echelon live --fast",
-    "calibrate": "camera, colours and robots from pictures; until then: write the scenario by hand",
     "cameras": "what can be opened; until then: echelon live --camera SPEC says what is wrong",
 }
 
+CALIBRATE = {
+    "robots": "lag and speed errors from a drive; until then: write [[robots]] by hand",
+}
 
-def register(app: typer.Typer) -> None:
-    """Add the commands to the command line.
+
+def register(app: typer.Typer, commands: Mapping[str, str] = MappingProxyType(LATER)) -> None:
+    """Add commands to a command line.
 
     Args:
-        app: the command line.
+        app: the command line, or a group of it.
+        commands: name and what it will do.
     """
-    for name, what in LATER.items():
+    for name, what in commands.items():
         _register_one(app, name, what)
 
 

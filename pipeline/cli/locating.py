@@ -42,42 +42,43 @@ def locate_images(
         if overlay is not None:
             _draw(seeing, frame, scene, overlay / f"{path.stem}.png")
         if output.as_json:
-            found.append(_to_json(path, scene))
+            found.append(_to_json(path, scene, seeing.floor_known))
         else:
-            _tell(path, scene, output)
+            _tell(path, scene, seeing.floor_known, output)
     if output.as_json:
         output.object({"images": found})
 
 
-def _to_json(path: Path, scene: Scene) -> dict[str, Any]:
+def _to_json(path: Path, scene: Scene, floor_known: bool) -> dict[str, Any]:
     return {
         "file": str(path),
-        "detections": [_detection(d) for d in scene.detections],
+        "detections": [_detection(d, floor_known) for d in scene.detections],
         "rejected": [{"x_px": r.x, "y_px": r.y, "reason": r.reason} for r in scene.rejected],
     }
 
 
-def _detection(d: Detection) -> dict[str, Any]:
+def _detection(d: Detection, floor_known: bool) -> dict[str, Any]:
     return {
         "id": d.robot_id,
         "x_px": d.pixel.x,
         "y_px": d.pixel.y,
         "heading_deg": degrees(d.pixel.heading),
-        "x_m": d.pose.x,
-        "y_m": d.pose.y,
-        "theta_rad": d.pose.theta,
+        "x_m": d.pose.x if floor_known else None,
+        "y_m": d.pose.y if floor_known else None,
+        "theta_rad": d.pose.theta if floor_known else None,
         "confidence": d.confidence,
         "residual_px": d.residual_px,
     }
 
 
-def _tell(path: Path, scene: Scene, output: Output) -> None:
+def _tell(path: Path, scene: Scene, floor_known: bool, output: Output) -> None:
     """Tables for people."""
     header = ("robot", "x px", "y px", "heading deg", "x m", "y m", "confidence", "residual px")
     rows = [
         (
             str(d.robot_id), f"{d.pixel.x:.2f}", f"{d.pixel.y:.2f}",
-            f"{degrees(d.pixel.heading):.1f}", f"{d.pose.x:.4f}", f"{d.pose.y:.4f}",
+            f"{degrees(d.pixel.heading):.1f}",
+            *((f"{d.pose.x:.4f}", f"{d.pose.y:.4f}") if floor_known else ("-", "-")),
             f"{d.confidence:.2f}", f"{d.residual_px:.2f}",
         )
         for d in scene.detections

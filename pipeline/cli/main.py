@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from control.errors import EchelonError
-from pipeline.cli import check, later, live, locate, render, replay, report, tags
+from pipeline.cli import calibrate, check, later, live, locate, render, replay, report, tags
 from pipeline.errors import CameraError, RadioError
 
 app = typer.Typer(
@@ -45,6 +45,7 @@ def general(
 
 for command in (live, replay, render, locate, report, check, tags):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
+app.add_typer(calibrate.calibrate)
 later.register(app)
 
 USAGE, DEVICE = 2, 3

@@ -8,6 +8,7 @@ from pathlib import Path
 from datasets.cycle import Cycle, Moment, Tick, Timing
 from datasets.recorded import TruthWriter
 from datasets.world import World
+from pipeline.camera_model import make_camera
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import VirtualClock
 from pipeline.interruption import interruption
@@ -17,7 +18,6 @@ from pipeline.progress import Progress
 from pipeline.radios.simulated import SimulatedRadio
 from pipeline.rigs import make_rendered_camera, make_world
 from pipeline.scenario import load_scenario
-from pipeline.seeing import make_camera
 from pipeline.setup import is_undriven, make_setup
 
 

@@ -6,6 +6,7 @@ from time import perf_counter
 import typer
 
 from datasets.recorded import Footage, Session, read_frames, read_session
+from pipeline.camera_model import require_floor
 from pipeline.cameras.footage import FootageCamera
 from pipeline.cli.output import Output
 from pipeline.cli.running import INTERRUPTED, Outputs, finish, observers
@@ -108,6 +109,7 @@ def replay_footage(
         Exit: with status 130 after Ctrl-C.
     """
     used = load_scenario(scenario, overrides)
+    require_floor(used.camera, "replay")
     setup, footage = make_setup(used), read_frames(source, fps)
     scores = make_scores(setup)
     camera = FootageCamera(footage, used.camera.latency_s)

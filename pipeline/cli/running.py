@@ -12,6 +12,7 @@ import typer
 
 from datasets.recorded import SessionHeader, SessionWriter, software_versions
 from pipeline.accounts import account
+from pipeline.camera_model import require_floor
 from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
@@ -90,6 +91,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         Exit: with status 4 after a safety stop, 130 after Ctrl-C.
     """
     scenario = _scenario(request)
+    require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
         scenario = _paced(scenario, rig.sink.min_period, output)

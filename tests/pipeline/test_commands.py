@@ -39,7 +39,7 @@ KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "mi
         (("report", "none.mcap", "--out", "x"), 2, "none.mcap"),
         (("locate", "none.png"), 2, "none.png"),
         (("simulate", "paper"), 2, "not in this version"),
-        (("calibrate", "camera"), 2, "not in this version"),
+        (("calibrate", "robots"), 2, "not in this version"),
         (("cameras",), 2, "not in this version"),
     ],
 )

@@ -1,0 +1,1 @@
+"""Calibration: boards, pictures and points come in, fragments and pictures go out."""

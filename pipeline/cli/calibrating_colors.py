@@ -1,0 +1,1 @@
+"""What `echelon calibrate colors` does."""

@@ -1,0 +1,1 @@
+"""Learning a camera and its colours from pictures."""
