@@ -71,12 +71,15 @@ class Drawing:
         points[:, 2] = camera.tag_height
         return camera.project(points)
 
-    def windows(self, views: Floats, spread: int) -> tuple[Integers, tuple[int, int]]:
+    def windows(
+        self, views: Floats, spread: int, grid: int = 1
+    ) -> tuple[Integers, tuple[int, int]]:
         """Windows of one size, one around every tag.
 
         Args:
             views: shape (K, V, 2), in corner coordinates [px].
             spread: free pixels around the tag.
+            grid: windows begin and end at multiples of this [px].
 
         Returns:
             Column and row of every window's first pixel, shape (R, 2), and height and width [px].
@@ -84,7 +87,8 @@ class Drawing:
         first, last = views.min(axis=0), views.max(axis=0)
         low = np.floor(np.minimum.reduceat(first, self._first_corners)).astype(np.intp) - spread
         high = np.ceil(np.maximum.reduceat(last, self._first_corners)).astype(np.intp) + spread
-        width, height = (high - low).max(axis=0)
+        low = low // grid * grid
+        width, height = -((low - high).min(axis=0) // grid) * grid
         return low, (int(height), int(width))
 
     def painted(

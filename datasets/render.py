@@ -1,14 +1,16 @@
 """The renderer is a camera: it takes true states and yields what a `CameraModel` would deliver.
 
-Tags are projected corner by corner and drawn by exact area coverage, never rounded to pixels. The
-picture is linear in the coverages, so the lens blurs only the difference that robots make to the
-floor, in small windows; the empty floor is blurred once. Only where something else moves or shines
-is the whole scene composed and blurred anew.
+Tags are projected corner by corner and drawn by exact area coverage, never rounded to pixels. As a
+lens blurs before pixels integrate, the scene is drawn on dots finer than the pixels, blurred, and
+only then averaged. All this is linear in the coverages, so the lens blurs only the difference that
+robots make to the floor, in small windows; the empty floor is blurred once. Only where something
+else moves or shines is the whole scene composed and blurred anew.
 """
 
 from dataclasses import replace
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,7 @@ Singles = NDArray[np.float32]
 Rectangle = tuple[slice, slice]
 
 BLACK = NamedColor("black", (12, 12, 12))
+_FINE = 2  # dots along a pixel's side
 _STEPS = 16  # points on each side of the image when its view of the floor is measured
 
 
@@ -74,17 +77,19 @@ class Renderer:
         missing = [color for color in tags.colors if color not in self._colors]
         if missing:
             raise SimulationError(f"tags use {missing}, but only {list(self._colors)} are given")
-        self._camera, self._sensor = camera, sensor
-        self._shutter = sensor.shutter(camera.size_px[1])
+        width, height = camera.size_px
+        self._camera = fine = camera.scaled_to((_FINE * width, _FINE * height))
+        self._sensor = optics = replace(sensor, blur_px=_FINE * sensor.blur_px)
+        self._shutter = sensor.shutter(_FINE * height)
         self._tags = {tag.robot_id: tag for tag in tags.tags}
         self._drawings: dict[tuple[RobotId, ...], Drawing] = {}
         self._low, self._high = _seen_floor(camera, tags.outer_radius)
         self._stages = (*sensor.lens(camera), *sensor.stages(camera.size_px, seed))
-        self._margin = margin = sensor.blur_radius
-        self._light = light = sensor.light(camera.size_px, margin)[..., None]
-        self._painter = Painter(surroundings, camera, sensor, light, seed)
+        self._margin = margin = -(-optics.blur_radius // _FINE) * _FINE
+        self._light = light = sensor.light(fine.size_px, margin)[..., None]
+        self._painter = Painter(surroundings, fine, optics, light, margin, seed)
         paint = _in_linear_light(floor or Floor(), sensor.gamma)
-        self._sharp = paint_floor(camera, paint, margin, seed) * light
+        self._sharp = paint_floor(fine, paint, margin, seed) * light
         self._painter.ground(self._sharp, 0.0, standing=True)
         self._empty = self._through_lens(self._sharp)
 
@@ -128,7 +133,7 @@ class Renderer:
         drawing = self._drawing(tuple(state.robot_id for state in states))
         motions = np.array([_motion(state) for state in states])
         views = drawing.views(motions, self._camera, self._shutter) + 0.5  # to corner coordinates
-        origins, size = drawing.windows(views, self._margin)
+        origins, size = drawing.windows(views, self._margin, _FINE)
         return _Painted(*drawing.painted(views, origins, size), origins, size)
 
     def _calm(self, robots: _Painted | None) -> Singles:
@@ -142,9 +147,11 @@ class Renderer:
             there, here = _overlap(origin, size, self._sharp.shape)
             ink, plate = robots.inks[index][here], robots.plates[index][here][..., None]
             change[index][here] = ink * self._light[there] - plate * self._sharp[there]
-        seen = self._sensor.blur(change.reshape(-1, size[1], 3)).reshape(change.shape)
-        for index, origin in enumerate(robots.origins):
-            there, here = _overlap(origin, size, image.shape)
+        pixels = (size[0] // _FINE, size[1] // _FINE)
+        seen = _averaged(self._sensor.blur(change.reshape(-1, size[1], 3)))
+        seen = seen.reshape(len(change), *pixels, 3)
+        for index, origin in enumerate(robots.origins // _FINE):
+            there, here = _overlap(origin, pixels, image.shape)
             image[there] += seen[index][here]
         return image
 
@@ -165,13 +172,20 @@ class Renderer:
         """Blur a scene with its margins, and cut them off."""
         margin = self._margin
         inside = slice(margin, scene.shape[0] - margin), slice(margin, -margin or None)
-        return np.ascontiguousarray(self._sensor.blur(scene)[inside])
+        return _averaged(self._sensor.blur(scene)[inside])
 
     def _drawing(self, ids: tuple[RobotId, ...]) -> Drawing:
         """The polygons of some robots, made once."""
         if ids not in self._drawings:
             self._drawings[ids] = Drawing(tuple(self._tags[i] for i in ids), self._colors)
         return self._drawings[ids]
+
+
+def _averaged(dots: Singles) -> Singles:
+    """Pixels, as means of their dots."""
+    height, width = dots.shape[0] // _FINE, dots.shape[1] // _FINE
+    small = cv2.resize(dots, (width, height), interpolation=cv2.INTER_AREA)
+    return np.asarray(small, np.float32)
 
 
 def _motion(robot: RobotState) -> tuple[float, float, float, float, float]:

@@ -46,6 +46,7 @@ class Painter:
         camera: CameraModel,
         sensor: SensorModel,
         light: Singles,
+        margin: int,
         seed: int,
     ) -> None:
         """Strew the clutter, work out what never changes.
@@ -55,11 +56,12 @@ class Painter:
             camera: who looks.
             sensor: its shutter and tone curve.
             light: of the lamp, shape (H + 2 margin, W + 2 margin, 1).
+            margin: further pixels on every side [px].
             seed: of the clutter, >= 0.
         """
         self._camera, self._gamma, self._light = camera, sensor.gamma, light
         self._shutter = sensor.shutter(camera.size_px[1])
-        self._margin = margin = sensor.blur_radius
+        self._margin = margin
         things = surroundings.things
         if surroundings.clutter is not None:
             low, high = _seen_box(camera)

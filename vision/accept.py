@@ -23,6 +23,7 @@ _APART = 0.85  # plates nearer than this share of their width are two readings o
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
 _LIT = (-0.6, 0.1)  # log brightness for which the palette is right
 _DARK, _BRIGHT = 20.0, 250.0  # values beyond tell nothing of the light
+_TYPICAL = 80.0  # neither does a channel of which a colour has less
 _REPEATED, _TAKEN = -1, -2  # why an acceptable candidate is not accepted
 
 
@@ -169,7 +170,7 @@ def _compare_colors(colors: Floats, tags: Indices, looks: Looks, ratios: Floats)
                 continue
             for channel in range(3):
                 seen, typical = colors[n, k, channel], looks.typical[tags[n], k, channel]
-                if typical > _DARK and _DARK < seen < _BRIGHT:
+                if typical > _TYPICAL and _DARK < seen < _BRIGHT:
                     ratios[n, k, channel] = seen / typical
 
 

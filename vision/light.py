@@ -13,7 +13,8 @@ Bytes = NDArray[np.uint8]
 _LATTICE = (24, 18)  # columns and rows of pixels by which two frames are compared
 _JUMP = 0.04  # a smaller change of the whole picture is left to the tags to tell
 _DARK, _BRIGHT = 6, 249  # values beyond say little of the light
-_BAND = (-0.45, 0.05)  # log brightness of tags for which the palette is right, see `taught`
+_BAND = (-0.5, 0.3)  # log brightness of tags for which the palette is right, see `taught`
+_TINT = 0.05  # and log tint, either way
 _TURNS = 3  # of brightness and tint
 _RATE = 0.2  # share of a difference that a frame takes over
 _MOST = 1.5  # log of the largest factor, either way
@@ -73,8 +74,9 @@ def watched(light: Light, image: Bytes) -> Light:
 def taught(light: Light, ratios: Floats) -> Light:
     """Follow the light slowly, by how confirmed tags look.
 
-    White balance is followed wholly. Brightness is followed only where it leaves the range in which
-    the palette is right anyway, since tags in a dark corner say nothing of the rest of the field.
+    Brightness and tint are followed only where they leave the range in which the palette is right
+    anyway: tags in a dark corner say nothing of the rest of the field, and few colours little of
+    the tint.
 
     Args:
         light: in which they were seen.
@@ -123,9 +125,10 @@ def _pulled(ratios: Floats, gains: tuple[float, float, float]) -> tuple[float, f
     brightness = np.nanmedian(own) if count else np.nan
     if not np.isfinite(brightness):
         return gains
-    tint += brightness - min(max(brightness, _BAND[0]), _BAND[1])
+    beyond = brightness - min(max(brightness, _BAND[0]), _BAND[1])
     for channel in range(3):
-        log = np.log(gains[channel]) + _RATE * tint[channel]
+        off = tint[channel] - min(max(tint[channel], -_TINT), _TINT)
+        log = np.log(gains[channel]) + _RATE * (beyond + off)
         tint[channel] = np.exp(min(max(log, -_MOST), _MOST))
     return tint[0], tint[1], tint[2]
 

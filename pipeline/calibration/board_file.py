@@ -7,8 +7,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from pipeline.section import Positive, Section
 from pipeline.errors import ConfigError
+from pipeline.section import Positive, Section
 from vision.calibration.board import Board, Kind
 from vision.errors import VisionError
 
