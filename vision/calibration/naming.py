@@ -36,7 +36,8 @@ class Naming:
         light: shape (M,), light on each tag, relative.
         prints: shape (C, 3), the print's colours in light 1, BGR.
         seen: shape (C,), which of them a named tag shows.
-        total: cost of everything.
+        strange: cost of the print's colours against the nominal ones.
+        total: cost of everything; tags that might as well be another count little.
     """
 
     rows: Indices
@@ -46,6 +47,7 @@ class Naming:
     light: Floats
     prints: Floats
     seen: NDArray[np.bool_]
+    strange: float
     total: float
 
 
@@ -135,13 +137,12 @@ def _assigned(data: PartColors, prints: Floats, model: PrintModel) -> Naming:
     seen = np.zeros(len(prints), bool)
     seen[data.classes[tag][data.used[tag] > 0]] = True
     strange, _ = model.compare(prints, seen)
-    rest = costs[row]
-    rest[np.arange(len(row)), tag] = np.inf
-    chosen = costs[row, tag]
-    return Naming(
-        row, tag, chosen, rest.min(axis=1, initial=np.inf) - chosen, np.exp(light[row, tag]),
-        prints, seen, float(worth[row, tag].sum()) + strange,
-    )  # fmt: skip
+    rest, chosen = costs[row], costs[row, tag]
+    rest[np.arange(len(row)), tag] = limits[tag]  # it might be no tag at all
+    margins = rest.min(axis=1, initial=np.inf) - chosen
+    told = 1.0 - np.exp(-0.5 * np.maximum(margins, 0.0))  # tags of one colour tell nothing
+    total = float((worth[row, tag] * told).sum()) + strange
+    return Naming(row, tag, chosen, margins, np.exp(light[row, tag]), prints, seen, strange, total)
 
 
 def _free(data: PartColors, worth: Floats, own: Indices) -> Indices:

@@ -1,0 +1,229 @@
+"""Colours from a few pictures of the running scene: find the tags, name them, learn the palette.
+
+A tag teaches only if its robot is beyond doubt, and nothing is learned if two colours might as well
+be exchanged. Every failure says with numbers what was seen instead.
+"""
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from control.command import RobotId
+from vision.calibration.learned import Print
+from vision.calibration.naming import UNSEEN, Naming, name_tags, renamed
+from vision.calibration.part_costs import PartColors, part_colors
+from vision.calibration.print_colors import print_model
+from vision.calibration.rivals import Rival, compare_colors, confused_robots
+from vision.calibration.samples import draw_tag, floor_pixels, part_pixels, representative
+from vision.calibration.sightings import Sightings, find_outlines
+from vision.errors import VisionError
+from vision.eye import Eye
+from vision.palette import ColorSamples, NamedColor
+
+Floats = NDArray[np.float64]
+Pixels = NDArray[np.uint8]
+
+MOST_SAMPLES = 200  # of a colour that are kept
+_SURE = 2.0  # a tag teaches if every other robot would cost so much more there
+_SURE_NAMES = 6.0  # and if exchanging any colours would cost so much more
+_STRANGE = 8.0  # cost per colour above which the colours are not those of the scenario
+_MOST_PER_PART = 24  # pixels of one part of one tag
+
+
+@dataclass(frozen=True, slots=True)
+class Taught:
+    """A tag that taught.
+
+    Attributes:
+        frame: index of the picture.
+        robot_id: whose tag.
+        pose: x, y, theta, shape (3,) [m, m, rad].
+        margin: how much more any other robot would have cost there.
+    """
+
+    frame: int
+    robot_id: RobotId
+    pose: Floats
+    margin: float
+
+
+@dataclass(frozen=True, slots=True)
+class LearnedColors:
+    """What a few pictures taught.
+
+    Attributes:
+        samples: of every colour and of "black" and "floor", at most `MOST_SAMPLES` each.
+        counts: how many pixels each of the samples was chosen from.
+        prints: the colours in a common light.
+        rivals: all pairs of colours, the closest first.
+        taught: the tags.
+        unsure: tags that were found, but did not teach.
+        missing: robots found in no picture.
+        margin: least cost of exchanging colours.
+    """
+
+    samples: tuple[ColorSamples, ...]
+    counts: tuple[int, ...]
+    prints: tuple[Print, ...]
+    rivals: tuple[Rival, ...]
+    taught: tuple[Taught, ...]
+    unsure: int
+    missing: tuple[RobotId, ...]
+    margin: float
+
+
+def learn_colors(
+    images: tuple[Pixels, ...], eye: Eye, nominal: tuple[NamedColor, ...]
+) -> LearnedColors:
+    """Learn what the colours of the tags look like.
+
+    Args:
+        images: pictures of one scene in one light, each (H, W, 3), BGR.
+        eye: camera and tags; its palette is only asked for names.
+        nominal: the scenario's colours; they need not be near what the camera sees.
+
+    Returns:
+        Samples of all colours, and how far they can be trusted.
+
+    Raises:
+        VisionError: if no tag is found, a colour is seen on none, or colours may be exchanged.
+    """
+    frames = tuple(find_outlines(image, eye) for image in images)
+    names = eye.palette.names
+    given = {color.name: color.bgr for color in nominal}
+    model = print_model(np.array([given[name] for name in names], np.float64))
+    data = part_colors(frames, eye)
+    best, *others = name_tags(data, model)
+    sure = _sure(data, best)
+    _check_found(frames, best, sure, eye)
+    _check_colors(data, best, sure, eye)
+    margin = _check_names(data, best, others, names)
+    taught = tuple(
+        Taught(
+            int(data.frames[n]), eye.tags.ids[tag], data.poses[n].copy(), float(best.margins[row])
+        )
+        for row in np.flatnonzero(sure)
+        for n, tag in [(best.rows[row], best.tags[row])]
+    )
+    samples, counts, rivals = _collected(images, frames, data, best, sure, eye)
+    found = {eye.tags.ids[tag] for tag in best.tags}
+    missing = tuple(i for i in eye.tags.ids if i not in found)
+    prints = tuple(Print(n, _triple(p)) for n, p in zip(names, best.prints, strict=True))
+    unsure = len(sure) - int(sure.sum())
+    return LearnedColors(samples, counts, prints, rivals, taught, unsure, missing, margin)
+
+
+def _triple(color: Floats) -> tuple[float, float, float]:
+    return float(color[0]), float(color[1]), float(color[2])
+
+
+def _sure(data: PartColors, best: Naming) -> NDArray[np.bool_]:
+    """Which of the named tags are beyond doubt."""
+    parts = data.used[best.tags].sum(axis=1)
+    sure: NDArray[np.bool_] = (best.margins >= _SURE) & (best.costs < 0.5 * UNSEEN * parts)
+    return sure
+
+
+def _check_found(
+    frames: tuple[Sightings, ...], best: Naming, sure: NDArray[np.bool_], eye: Eye
+) -> None:
+    """Refuse pictures without tags, saying what is in them."""
+    strange = best.strange / max(int(best.seen.sum()), 1)
+    if sure.any() and strange < _STRANGE:
+        return
+    places = sum(len(seen) for seen in frames)
+    residual = min((float(s.residual_px[0]) for s in frames if len(s)), default=np.nan)
+    wanted = ", ".join(eye.palette.names)
+    if places == 0:
+        what = "nothing in them has the geometry of a tag"
+    elif len(best.rows) == 0:
+        what = f"{places} poses have the geometry of one (best misfit {residual:.2f} px), but "
+        what += f"never with colours that could be {wanted}"
+    else:
+        what = f"{places} poses have the geometry of one (best misfit {residual:.2f} px), the most "
+        what += f"alike could be any robot (margin {best.margins.max():.1f}, needed {_SURE:.1f}; "
+        what += f"colours off {wanted} by {strange:.1f}, limit {_STRANGE:.1f})"
+    raise VisionError(f"no tag found in {len(frames)} pictures: {what}")
+
+
+def _check_colors(
+    data: PartColors, best: Naming, sure: NDArray[np.bool_], eye: Eye
+) -> None:
+    """Refuse to go on while a colour was seen on no sure tag."""
+    tags = best.tags[sure]
+    shown = set(data.classes[tags][data.used[tags] > 0].tolist())
+    lacking = [c for c in range(len(eye.palette.names)) if c not in shown]
+    if lacking:
+        names = ", ".join(eye.palette.names[c] for c in lacking)
+        wearing = np.flatnonzero((np.isin(data.classes, lacking) & (data.used > 0)).any(axis=1))
+        robots = ", ".join(str(eye.tags.ids[t]) for t in wearing)
+        raise VisionError(
+            f"no tag shows {names} beyond doubt ({len(tags)} sure tags, {len(sure) - len(tags)} "
+            f"unsure); put one of the robots {robots} where the camera sees it well"
+        )
+
+
+def _check_names(
+    data: PartColors, best: Naming, others: list[Naming], names: tuple[str, ...]
+) -> float:
+    """Refuse colours that might as well be exchanged; else the least cost of an exchange."""
+    for other in others:
+        pairs = renamed(data, best, other)
+        margin = other.total - best.total
+        if pairs and margin < _SURE_NAMES:
+            text = ", ".join(f"{names[c]} may be {names[d]}" for c, d in pairs)
+            raise VisionError(
+                f"the colours cannot be named for sure: {text} (margin {margin:.1f}, needed "
+                f"{_SURE_NAMES:.1f}); give [colors] that are nearer to what the camera shows"
+            )
+        if pairs:
+            return margin
+    return float("inf")
+
+
+def _collected(
+    images: tuple[Pixels, ...],
+    frames: tuple[Sightings, ...],
+    data: PartColors,
+    best: Naming,
+    sure: NDArray[np.bool_],
+    eye: Eye,
+) -> tuple[tuple[ColorSamples, ...], tuple[int, ...], tuple[Rival, ...]]:
+    """Samples of all colours, how many pixels there were, and which colours are close."""
+    pixels: dict[str, list[Pixels]] = {}
+    lit: dict[str, list[Floats]] = {}
+    seen = np.concatenate([s.colors for s in frames])
+    for row in np.flatnonzero(sure):
+        n, tag = best.rows[row], eye.tags.tags[best.tags[row]]
+        image = images[data.frames[n]]
+        found = part_pixels(image, eye.camera, draw_tag(tag), data.poses[n])
+        for part, own, color in zip(tag.parts, found, seen[n], strict=False):
+            some = representative(own, _MOST_PER_PART)
+            fitted = np.clip(np.rint(color), 0, 255).astype(np.uint8)
+            every = np.vstack((some, np.tile(fitted, (max(len(some) // 4, 1), 1))))
+            pixels.setdefault(part.color, []).append(every)
+            lit.setdefault(part.color, []).append(every / best.light[row])
+    floor = [
+        floor_pixels(image, eye.camera, data.poses[best.rows][data.frames[best.rows] == k],
+                     eye.tags.outer_radius)
+        for k, image in enumerate(images)
+    ]  # fmt: skip
+    every_name = {**{n: np.concatenate(p) for n, p in pixels.items()}}
+    every_name["floor"] = np.concatenate([representative(f, 20 * MOST_SAMPLES) for f in floor])
+    samples = tuple(
+        ColorSamples(name, representative(p, MOST_SAMPLES)) for name, p in every_name.items()
+    )
+    counts = tuple(len(p) for p in every_name.values())
+    return samples, counts, _rivals({n: np.concatenate(p) for n, p in lit.items()}, eye)
+
+
+def _rivals(lit: dict[str, Floats], eye: Eye) -> tuple[Rival, ...]:
+    """All pairs of colours, the closest first."""
+    pairs = [
+        Rival(one, other, compare_colors(lit[one], lit[other]),
+              confused_robots(eye.tags, one, other))
+        for one, other in combinations(eye.palette.names, 2)
+    ]  # fmt: skip
+    return tuple(sorted(pairs, key=lambda rival: -rival.error))
