@@ -5,48 +5,28 @@ be exchanged. Every failure says with numbers what was seen instead.
 """
 
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
 from vision.calibration.learned import Print
+from vision.calibration.lessons import Collected, Lesson, collect, find_rivals
 from vision.calibration.naming import UNSEEN, Naming, name_tags, renamed
 from vision.calibration.part_costs import PartColors, part_colors
 from vision.calibration.print_colors import print_model
-from vision.calibration.rivals import Rival, compare_colors, confused_robots
-from vision.calibration.samples import draw_tag, floor_pixels, part_pixels, representative
+from vision.calibration.rivals import Rival
 from vision.calibration.sightings import Sightings, find_outlines
 from vision.errors import VisionError
 from vision.eye import Eye
-from vision.palette import ColorSamples, NamedColor
+from vision.palette import NamedColor
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
-MOST_SAMPLES = 200  # of a colour that are kept
 _SURE = 2.0  # a tag teaches if every other robot would cost so much more there
 _SURE_NAMES = 6.0  # and if exchanging any colours would cost so much more
 _STRANGE = 8.0  # cost per colour above which the colours are not those of the scenario
-_MOST_PER_PART = 24  # pixels of one part of one tag
-
-
-@dataclass(frozen=True, slots=True)
-class Taught:
-    """A tag that taught.
-
-    Attributes:
-        frame: index of the picture.
-        robot_id: whose tag.
-        pose: x, y, theta, shape (3,) [m, m, rad].
-        margin: how much more any other robot would have cost there.
-    """
-
-    frame: int
-    robot_id: RobotId
-    pose: Floats
-    margin: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,21 +34,19 @@ class LearnedColors:
     """What a few pictures taught.
 
     Attributes:
-        samples: of every colour and of "black" and "floor", at most `MOST_SAMPLES` each.
-        counts: how many pixels each of the samples was chosen from.
-        prints: the colours in a common light.
-        rivals: all pairs of colours, the closest first.
-        taught: the tags.
+        colors: pixels of every colour, of "black" and of "floor".
+        prints: the colours that are searched for, in a common light.
+        rivals: all pairs of these, the closest first.
+        lessons: the tags that taught.
         unsure: tags that were found, but did not teach.
         missing: robots found in no picture.
-        margin: least cost of exchanging colours.
+        margin: least cost of exchanging colours, inf if no exchange is consistent.
     """
 
-    samples: tuple[ColorSamples, ...]
-    counts: tuple[int, ...]
+    colors: tuple[Collected, ...]
     prints: tuple[Print, ...]
     rivals: tuple[Rival, ...]
-    taught: tuple[Taught, ...]
+    lessons: tuple[Lesson, ...]
     unsure: int
     missing: tuple[RobotId, ...]
     margin: float
@@ -80,7 +58,7 @@ def learn_colors(
     """Learn what the colours of the tags look like.
 
     Args:
-        images: pictures of one scene in one light, each (H, W, 3), BGR.
+        images: pictures of one scene in one light, each (H, W, 3), BGR, of the camera's size.
         eye: camera and tags; its palette is only asked for names.
         nominal: the scenario's colours; they need not be near what the camera sees.
 
@@ -91,8 +69,7 @@ def learn_colors(
         VisionError: if no tag is found, a colour is seen on none, or colours may be exchanged.
     """
     frames = tuple(find_outlines(image, eye) for image in images)
-    names = eye.palette.names
-    given = {color.name: color.bgr for color in nominal}
+    names, given = eye.palette.names, {color.name: color.bgr for color in nominal}
     model = print_model(np.array([given[name] for name in names], np.float64))
     data = part_colors(frames, eye)
     best, *others = name_tags(data, model)
@@ -100,23 +77,38 @@ def learn_colors(
     _check_found(frames, best, sure, eye)
     _check_colors(data, best, sure, eye)
     margin = _check_names(data, best, others, names)
-    taught = tuple(
-        Taught(
-            int(data.frames[n]), eye.tags.ids[tag], data.poses[n].copy(), float(best.margins[row])
-        )
-        for row in np.flatnonzero(sure)
-        for n, tag in [(best.rows[row], best.tags[row])]
-    )
-    samples, counts, rivals = _collected(images, frames, data, best, sure, eye)
+    lessons = _lessons(frames, data, best, sure)
+    own = data.frames[best.rows]
+    places = tuple(data.poses[best.rows[own == k]] for k in range(len(images)))
     found = {eye.tags.ids[tag] for tag in best.tags}
-    missing = tuple(i for i in eye.tags.ids if i not in found)
-    prints = tuple(Print(n, _triple(p)) for n, p in zip(names, best.prints, strict=True))
-    unsure = len(sure) - int(sure.sum())
-    return LearnedColors(samples, counts, prints, rivals, taught, unsure, missing, margin)
+    return LearnedColors(
+        collect(images, lessons, places, eye),
+        tuple(Print(n, _triple(p)) for n, p in zip(names, best.prints, strict=True)),
+        find_rivals(lessons, eye),
+        lessons,
+        int(np.count_nonzero(~sure)),
+        tuple(robot_id for robot_id in eye.tags.ids if robot_id not in found),
+        margin,
+    )
 
 
 def _triple(color: Floats) -> tuple[float, float, float]:
     return float(color[0]), float(color[1]), float(color[2])
+
+
+def _lessons(
+    frames: tuple[Sightings, ...], data: PartColors, best: Naming, sure: NDArray[np.bool_]
+) -> tuple[Lesson, ...]:
+    """The sure ones of the named tags."""
+    colors = np.concatenate([seen.colors for seen in frames])
+    return tuple(
+        Lesson(
+            int(data.frames[n]), int(best.tags[row]), data.poses[n].copy(),
+            float(best.light[row]), colors[n], float(best.margins[row]),
+        )
+        for row in np.flatnonzero(sure)
+        for n in [int(best.rows[row])]
+    )  # fmt: skip
 
 
 def _sure(data: PartColors, best: Naming) -> NDArray[np.bool_]:
@@ -181,49 +173,3 @@ def _check_names(
         if pairs:
             return margin
     return float("inf")
-
-
-def _collected(
-    images: tuple[Pixels, ...],
-    frames: tuple[Sightings, ...],
-    data: PartColors,
-    best: Naming,
-    sure: NDArray[np.bool_],
-    eye: Eye,
-) -> tuple[tuple[ColorSamples, ...], tuple[int, ...], tuple[Rival, ...]]:
-    """Samples of all colours, how many pixels there were, and which colours are close."""
-    pixels: dict[str, list[Pixels]] = {}
-    lit: dict[str, list[Floats]] = {}
-    seen = np.concatenate([s.colors for s in frames])
-    for row in np.flatnonzero(sure):
-        n, tag = best.rows[row], eye.tags.tags[best.tags[row]]
-        image = images[data.frames[n]]
-        found = part_pixels(image, eye.camera, draw_tag(tag), data.poses[n])
-        for part, own, color in zip(tag.parts, found, seen[n], strict=False):
-            some = representative(own, _MOST_PER_PART)
-            fitted = np.clip(np.rint(color), 0, 255).astype(np.uint8)
-            every = np.vstack((some, np.tile(fitted, (max(len(some) // 4, 1), 1))))
-            pixels.setdefault(part.color, []).append(every)
-            lit.setdefault(part.color, []).append(every / best.light[row])
-    floor = [
-        floor_pixels(image, eye.camera, data.poses[best.rows][data.frames[best.rows] == k],
-                     eye.tags.outer_radius)
-        for k, image in enumerate(images)
-    ]  # fmt: skip
-    every_name = {**{n: np.concatenate(p) for n, p in pixels.items()}}
-    every_name["floor"] = np.concatenate([representative(f, 20 * MOST_SAMPLES) for f in floor])
-    samples = tuple(
-        ColorSamples(name, representative(p, MOST_SAMPLES)) for name, p in every_name.items()
-    )
-    counts = tuple(len(p) for p in every_name.values())
-    return samples, counts, _rivals({n: np.concatenate(p) for n, p in lit.items()}, eye)
-
-
-def _rivals(lit: dict[str, Floats], eye: Eye) -> tuple[Rival, ...]:
-    """All pairs of colours, the closest first."""
-    pairs = [
-        Rival(one, other, compare_colors(lit[one], lit[other]),
-              confused_robots(eye.tags, one, other))
-        for one, other in combinations(eye.palette.names, 2)
-    ]  # fmt: skip
-    return tuple(sorted(pairs, key=lambda rival: -rival.error))

@@ -1,4 +1,8 @@
-"""How well two colours can be told apart in the light they were seen in."""
+"""How well two colours can be told apart in the light they were seen in.
+
+A colour is its direction in BGR, which light does not change, and its brightness against the other
+colours of a tag. Both are taken as normal on one tag after the other.
+"""
 
 from dataclasses import dataclass
 
@@ -6,13 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
+from vision.calibration.print_colors import unit
 from vision.tags import Tag, TagSet
 
 Floats = NDArray[np.float64]
 
+CLOSE, TOO_CLOSE = 0.01, 0.05  # bounds of the error between two colours
+_TURN, _WORTH = 0.06, 3.0  # usual spread of a direction [rad], and how many tags it counts for
 _LIGHT = 0.25  # spread of the logarithm of the light between parts of a tag
-_NOISE = 4.0  # of a colour, beside what the samples show [grey levels]
-CLOSE = 0.02  # of errors between two colours: more is too close
+
+
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How a colour varies from tag to tag.
+
+    Attributes:
+        direction: of the mean in BGR, shape (3,), length 1.
+        turn: standard deviation of the direction along each of its two axes [rad].
+        brightness: logarithm of the mean length.
+    """
+
+    direction: Floats
+    turn: float
+    brightness: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +42,7 @@ class Rival:
     Attributes:
         one: name of a colour.
         other: name of the other.
-        error: Bhattacharyya's bound on the share of parts that would be taken for the other.
+        error: bound on the share of parts that would be taken for the other.
         confused: pairs of robots whose tags differ by these two colours only.
     """
 
@@ -32,31 +52,48 @@ class Rival:
     confused: tuple[tuple[RobotId, RobotId], ...]
 
     @property
-    def too_close(self) -> bool:
-        """Whether the two cannot be relied on together."""
-        return self.error > CLOSE
+    def verdict(self) -> str:
+        """In words: "far apart", "close" or "too close"."""
+        if self.error > TOO_CLOSE:
+            return "too close"
+        return "close" if self.error > CLOSE else "far apart"
 
 
-def compare_colors(one: Floats, other: Floats) -> float:
-    """Bound the error between two colours, as normal distributions (Bhattacharyya 1943).
+def spread_of(colors: Floats) -> Spread:
+    """Measure how a colour varies.
 
     Args:
-        one: shape (N, 3), BGR of a colour in light 1.
-        other: shape (M, 3), of the other.
+        colors: shape (N, 3), N >= 1, as seen on N tags, in the same light, BGR.
+
+    Returns:
+        Its spread.
+    """
+    mean = np.median(colors, axis=0)
+    direction = unit(mean)
+    turns = np.arccos(np.clip(unit(colors) @ direction, -1.0, 1.0))
+    squares = float((turns**2).sum()) + _WORTH * 2.0 * _TURN**2
+    turn = float(np.sqrt(squares / (2.0 * (len(colors) + _WORTH))))
+    return Spread(direction, turn, float(np.log(np.linalg.norm(mean))))
+
+
+def compare_colors(one: Spread, other: Spread) -> float:
+    """Bound the error between two colours (Bhattacharyya 1943).
+
+    Args:
+        one: a colour.
+        other: another.
 
     Returns:
         Upper bound of the error rate, 0 to 0.5.
     """
-    (m, s), (n, t) = _normal(one), _normal(other)
-    mean = 0.5 * (s + t)
-    apart = float((m - n) @ np.linalg.solve(mean, m - n)) / 8.0
-    logs = [np.linalg.slogdet(a)[1] for a in (mean, s, t)]
-    return 0.5 * float(np.exp(-apart - 0.5 * (logs[0] - 0.5 * (logs[1] + logs[2]))))
+    apart = float(np.arccos(np.clip(one.direction @ other.direction, -1.0, 1.0)))
+    both = one.turn**2 + other.turn**2
+    turn = 0.25 * apart**2 / both + np.log(both / (2.0 * one.turn * other.turn))
+    light = 0.125 * ((one.brightness - other.brightness) / _LIGHT) ** 2
+    return 0.5 * float(np.exp(-turn - light))
 
 
-def confused_robots(
-    tags: TagSet, one: str, other: str
-) -> tuple[tuple[RobotId, RobotId], ...]:
+def confused_robots(tags: TagSet, one: str, other: str) -> tuple[tuple[RobotId, RobotId], ...]:
     """Find robots that only these two colours tell apart.
 
     Args:
@@ -79,10 +116,3 @@ def confused_robots(
 def _merged(tag: Tag, one: str, other: str) -> tuple[tuple[bytes, str], ...]:
     """A tag's parts with one colour called the other."""
     return tuple((p.polygon.tobytes(), other if p.color == one else p.color) for p in tag.parts)
-
-
-def _normal(colors: Floats) -> tuple[Floats, Floats]:
-    """Mean (3,) and covariance (3, 3), with the spread of light and noise."""
-    mean = colors.mean(axis=0)
-    spread = np.cov(colors.T) if len(colors) > 3 else np.zeros((3, 3))
-    return mean, spread + _LIGHT**2 * np.outer(mean, mean) + _NOISE**2 * np.eye(3)

@@ -15,6 +15,7 @@ Pixels = NDArray[np.uint8]
 _CELLS = 96  # of a tag's drawing, along its box
 _DEEP_PX = 1.0  # pixels are inside a part if so far from its edge
 _LEAST = 3  # of a part too small for that, the deepest pixels count
+_MOST_SORTED = 20000  # pixels; of more, every so many-th is looked at
 _CLEAR = 1.15  # the floor begins so many radii from a tag's centre
 
 
@@ -121,6 +122,7 @@ def representative(pixels: Pixels, count: int) -> Pixels:
     Returns:
         Shape (M, 3), M <= count, from dark to bright along the curve.
     """
+    pixels = pixels[:: max(1, len(pixels) // _MOST_SORTED)]
     order = np.argsort(_morton(pixels), kind="stable")
     if len(order) > count:
         order = order[np.linspace(0, len(order) - 1, 2 * count + 1).astype(np.intp)[1::2]]
