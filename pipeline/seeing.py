@@ -3,12 +3,15 @@
 import tomllib
 from importlib import resources
 
+import numpy as np
+
 from pipeline.config import CameraConfig, LayoutConfig, Scenario
 from pipeline.errors import ConfigError
+from vision.calibration.learned import Print, palette_from_samples
 from vision.camera import CameraModel, overhead_camera
 from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
-from vision.palette import NamedColor, palette_from_colors
+from vision.palette import ColorSamples, NamedColor, Palette, palette_from_colors
 from vision.tags import Layout, Part, TagSet, polygon_array
 
 
@@ -77,12 +80,47 @@ def scenario_eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
 
     Returns:
         The eye.
+
+    Raises:
+        ConfigError: if [palette] lacks a colour of the tags.
     """
-    used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
-    palette = palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
     s = scenario.sensor
     chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
+    palette = scenario_palette(scenario, tags)
     return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
+
+
+def scenario_palette(scenario: Scenario, tags: TagSet) -> Palette:
+    """The palette of the tags' colours: as measured, or else from the nominal colours.
+
+    Args:
+        scenario: its [palette] or its [colors].
+        tags: worn by the robots.
+
+    Returns:
+        The palette.
+
+    Raises:
+        ConfigError: if [palette] lacks a colour of the tags.
+    """
+    config = scenario.palette
+    if config is None:
+        used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
+        return palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
+    lacking = [name for name in tags.search_colors if name not in config.samples]
+    if lacking:
+        raise ConfigError(
+            f"scenario {scenario.name}: palette.samples lacks {', '.join(lacking)}, which the tags "
+            "need; run echelon calibrate colors with all robots in the picture"
+        )
+    used_names = {*tags.search_colors, "black", "floor"}
+    samples = tuple(
+        ColorSamples(name, np.array(pixels, np.uint8))
+        for name, pixels in config.samples.items()
+        if name in used_names
+    )
+    prints = tuple(Print(name, config.prints[name]) for name in tags.search_colors)
+    return palette_from_samples(samples, prints, config.light)
 
 
 def _layout(scenario: Scenario) -> Layout:

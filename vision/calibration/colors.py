@@ -140,9 +140,7 @@ def _check_found(
     raise VisionError(f"no tag found in {len(frames)} pictures: {what}")
 
 
-def _check_colors(
-    data: PartColors, best: Naming, sure: NDArray[np.bool_], eye: Eye
-) -> None:
+def _check_colors(data: PartColors, best: Naming, sure: NDArray[np.bool_], eye: Eye) -> None:
     """Refuse to go on while a colour was seen on no sure tag."""
     tags = best.tags[sure]
     shown = set(data.classes[tags][data.used[tags] > 0].tolist())

@@ -53,7 +53,8 @@ def floor_raster(image: NDArray[np.uint8], camera: CameraModel, cell: float) -> 
     x, y = np.meshgrid(low[0] + cell * np.arange(columns), low[1] + cell * np.arange(rows))
     points = np.column_stack((x.ravel(), y.ravel(), np.full(x.size, camera.tag_height)))
     pixels = camera.project(points).reshape(rows, columns, 2)
-    seen = ((pixels >= 0) & (pixels <= np.array(camera.size_px) - 1)).all(axis=2)
+    limit = np.array(camera.size_px) - 1
+    seen = np.asarray(((pixels >= 0) & (pixels <= limit)).all(axis=2))
     source = image.astype(np.float32)
     if cell * scale > 1.0:
         source = np.asarray(cv2.GaussianBlur(source, (0, 0), _HALF_PX * cell * scale), np.float32)

@@ -64,7 +64,8 @@ def palette_from_samples(
     )
     palette = learn_palette(extended, background)
     typical = np.array([(0.0, 0.0, 0.0), *(known[name] for name in palette.names)])
-    posterior = palette.posterior * np.float32((_BACKGROUND, *[1.0] * len(palette.names)))
+    weights = np.array((_BACKGROUND, *[1.0] * len(palette.names)), np.float32)
+    posterior = np.asarray(palette.posterior * weights, np.float32)
     posterior /= posterior.sum(axis=1, keepdims=True)
     for array in (typical, posterior):
         array.flags.writeable = False

@@ -1,4 +1,4 @@
-"""Which robot is which, when only the geometry of the tags and the names of their colours are known.
+"""Which robot is which, when only the geometry of tags and the names of their colours are known.
 
 The print's colours are unknown, but the same on all robots, and near the scenario's nominal ones
 seen under an unknown white balance and paled by an unknown share of stray light. Alternately,

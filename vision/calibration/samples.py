@@ -1,4 +1,4 @@
-"""Pixels that are known to show a colour: deep inside the parts of named tags, and far from them."""
+"""Pixels known to show a colour: deep inside the parts of named tags, and far from tags."""
 
 from dataclasses import dataclass
 
@@ -76,7 +76,7 @@ def part_pixels(
     c, s = np.cos(pose[2]), np.sin(pose[2])
     own = np.column_stack((c * dx + s * dy, c * dy - s * dx))
     cell = np.floor(np.nan_to_num((own / drawing.reach + 1.0) * _CELLS / 2.0, nan=-1.0))
-    inside = ((cell >= 0) & (cell < _CELLS)).all(axis=1)
+    inside = np.asarray(((cell >= 0) & (cell < _CELLS)).all(axis=1))
     u, v = np.where(inside[:, None], cell, 0).astype(np.intp).T
     part = np.where(inside, drawing.part[v, u], -1)
     depth = drawing.depth[v, u]
@@ -148,7 +148,5 @@ def _window(
     pixels = camera.project(np.column_stack((rim, np.full(16, camera.tag_height))))
     low = np.maximum(np.floor(np.nanmin(pixels, axis=0)), 0).astype(int)
     high = np.minimum(np.ceil(np.nanmax(pixels, axis=0)), np.array(camera.size_px) - 1).astype(int)
-    columns, rows = np.meshgrid(
-        np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1)
-    )
+    columns, rows = np.meshgrid(np.arange(low[0], high[0] + 1), np.arange(low[1], high[1] + 1))
     return columns.reshape(-1), rows.reshape(-1)
