@@ -56,7 +56,8 @@ def raised_in(function: Function) -> set[str]:
 def is_command(name: str) -> bool:
     """Whether it is a sub-command: the help texts of its options document its arguments."""
     path, _, function = name.partition(":")
-    return path == f"pipeline/cli/{function}.py" or name == "pipeline/cli/main.py:general"
+    own = {f"pipeline/cli/{function}.py", f"pipeline/cli/calibrate_{function}.py"}
+    return path in own or name == "pipeline/cli/main.py:general"
 
 
 @pytest.mark.parametrize(("name", "function"), FUNCTIONS, ids=[n for n, _ in FUNCTIONS])

@@ -26,7 +26,8 @@ Pixels = NDArray[np.uint8]
 
 _SURE = 2.0  # a tag teaches if every other robot would cost so much more there
 _SURE_NAMES = 6.0  # and if exchanging any colours would cost so much more
-_STRANGE = 8.0  # cost per colour above which the colours are not those of the scenario
+_STRANGE = 2.2  # cost per degree of freedom above which these are not the scenario's colours
+_GUESSED = 4  # of them: brightness, white balance (2), stray light
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +123,8 @@ def _check_found(
     frames: tuple[Sightings, ...], best: Naming, sure: NDArray[np.bool_], eye: Eye
 ) -> None:
     """Refuse pictures without tags, saying what is in them."""
-    strange = best.strange / max(int(best.seen.sum()), 1)
+    freedom = 3 * int(best.seen.sum()) - _GUESSED
+    strange = best.strange / max(freedom, 1)
     if sure.any() and strange < _STRANGE:
         return
     places = sum(len(seen) for seen in frames)
@@ -149,10 +151,29 @@ def _check_colors(data: PartColors, best: Naming, sure: NDArray[np.bool_], eye: 
         names = ", ".join(eye.palette.names[c] for c in lacking)
         wearing = np.flatnonzero((np.isin(data.classes, lacking) & (data.used > 0)).any(axis=1))
         robots = ", ".join(str(eye.tags.ids[t]) for t in wearing)
+        close = _too_close(data, best, sure, eye)
+        advice = f"put one of the robots {robots} where the camera sees it well"
         raise VisionError(
             f"no tag shows {names} beyond doubt ({len(tags)} sure tags, {len(sure) - len(tags)} "
-            f"unsure); put one of the robots {robots} where the camera sees it well"
+            f"unsure); {close or advice}"
         )
+
+
+def _too_close(data: PartColors, best: Naming, sure: NDArray[np.bool_], eye: Eye) -> str:
+    """What makes the most doubtful tag doubtful, if it is another robot's colours."""
+    doubtful = np.flatnonzero(~sure & (best.rivals != best.tags) & (best.margins < _SURE))
+    if len(doubtful) == 0:
+        return ""
+    row = int(doubtful[best.margins[doubtful].argmin()])
+    tag, rival = int(best.tags[row]), int(best.rivals[row])
+    names = np.array(eye.palette.names)
+    differ = data.classes[tag] != data.classes[rival]
+    pairs = zip(names[data.classes[tag][differ]], names[data.classes[rival][differ]], strict=True)
+    text = ", ".join(f"{one} and {other}" for one, other in pairs)
+    return (
+        f"{text} are too close in this light: robot {eye.tags.ids[tag]} may be "
+        f"{eye.tags.ids[rival]} (margin {best.margins[row]:.1f}, needed {_SURE:.1f})"
+    )
 
 
 def _check_names(

@@ -6,12 +6,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.errors import VisionError
-from vision.palette import ColorSamples, Palette, learn_palette
+from vision.palette import (
+    BGR_FROM_YCC,
+    YCC_FROM_BGR,
+    ColorSamples,
+    Palette,
+    learn_palette,
+)
 
 Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 _GAINS = 9  # steps of the light
+_DEPTHS = (0.8, 1.0, 1.2)  # of the colour: what neighbours and codecs add to chroma or take
 _NOISE = 5.0  # every pixel stands for a small cloud about it [grey levels]
 _BACKGROUND = 0.3  # weight of black and floor where the geometry already told that a tag is there
 
@@ -73,8 +80,10 @@ def palette_from_samples(
 
 
 def _in_lights(pixels: Pixels, gains: Floats) -> Pixels:
-    """The pixels in all lights, each with its cloud."""
+    """The pixels in all lights, paler and deeper, each with its cloud."""
     cloud = _NOISE * np.concatenate((np.zeros((1, 3)), np.eye(3), -np.eye(3)))
-    seen = gains[:, None, None, None] * pixels[:, None].astype(np.float64) + cloud
-    found: Pixels = np.clip(np.rint(seen), 0, 255).astype(np.uint8).reshape(-1, 3)
+    ycc = pixels.astype(np.float64) @ YCC_FROM_BGR.T
+    deep = ycc * np.column_stack((np.ones(len(_DEPTHS)), _DEPTHS, _DEPTHS))[:, None]
+    seen = gains[:, None, None, None] * (deep @ BGR_FROM_YCC.T)[:, :, None].reshape(-1, 1, 3)
+    found: Pixels = np.clip(np.rint(seen + cloud), 0, 255).astype(np.uint8).reshape(-1, 3)
     return found

@@ -32,7 +32,8 @@ class Naming:
         rows: shape (M,), indices of the sightings that were given a robot.
         tags: shape (M,), the robots' indices in the tag set.
         costs: shape (M,), of each.
-        margins: shape (M,), how much more the next best robot would cost there.
+        margins: shape (M,), how much more the next best robot, or none, would cost there.
+        rivals: shape (M,), index of that robot's tag; the tag's own if it is none.
         light: shape (M,), light on each tag, relative.
         prints: shape (C, 3), the print's colours in light 1, BGR.
         seen: shape (C,), which of them a named tag shows.
@@ -44,6 +45,7 @@ class Naming:
     tags: Indices
     costs: Floats
     margins: Floats
+    rivals: Indices
     light: Floats
     prints: Floats
     seen: NDArray[np.bool_]
@@ -127,7 +129,7 @@ def _assigned(data: PartColors, prints: Floats, model: PrintModel) -> Naming:
     costs, light = data.costs(prints)
     limits = UNSEEN * data.used.sum(axis=1)
     worth = np.minimum(costs - limits, 0.0)
-    rows, tags = [], []
+    rows, tags = [np.zeros(0, np.intp)], [np.zeros(0, np.intp)]
     for frame in range(int(data.frames.max(initial=-1)) + 1):
         own = _free(data, worth.min(axis=1), np.flatnonzero(data.frames == frame))
         row, tag = _matched(worth[own])
@@ -140,9 +142,11 @@ def _assigned(data: PartColors, prints: Floats, model: PrintModel) -> Naming:
     rest, chosen = costs[row], costs[row, tag]
     rest[np.arange(len(row)), tag] = limits[tag]  # it might be no tag at all
     margins = rest.min(axis=1, initial=np.inf) - chosen
+    rivals = rest.argmin(axis=1)
     told = 1.0 - np.exp(-0.5 * np.maximum(margins, 0.0))  # tags of one colour tell nothing
     total = float((worth[row, tag] * told).sum()) + strange
-    return Naming(row, tag, chosen, margins, np.exp(light[row, tag]), prints, seen, strange, total)
+    lit = np.exp(light[row, tag])
+    return Naming(row, tag, chosen, margins, rivals, lit, prints, seen, strange, total)
 
 
 def _free(data: PartColors, worth: Floats, own: Indices) -> Indices:

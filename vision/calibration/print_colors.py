@@ -10,8 +10,8 @@ Floats = NDArray[np.float64]
 _BALANCES = np.exp(np.linspace(-0.9, 0.9, 9))  # of blue and of red against green
 _BALANCE_SPREAD = 0.5  # of their logarithms
 _PALES = (0.0, 0.25, 0.5, 0.7)  # shares of stray light: of the mean colour
-_TURN = 0.25  # spread of the direction of a colour about its nominal one [rad]
-_LIGHT = 0.5  # and of the logarithm of its brightness
+_TURN = 0.15  # spread of the direction of a colour about its nominal one [rad]
+_LIGHT = 0.35  # and of the logarithm of its brightness
 
 
 @dataclass(frozen=True, slots=True)
