@@ -156,6 +156,20 @@ def test_the_same_pictures_teach_the_same_bits() -> None:
         np.testing.assert_array_equal(a.samples.pixels, b.samples.pixels)
 
 
+def test_pictures_of_another_size_are_refused() -> None:
+    eye = scene().eye
+    for images in ((), (np.zeros((48, 64, 3), np.uint8),)):
+        with pytest.raises(VisionError, match="picture"):
+            learn_colors(images, eye, (*NOMINAL, BLACK))
+
+
+def test_noise_and_flat_pictures_teach_nothing() -> None:
+    eye, rng = scene().eye, np.random.default_rng(0)
+    for image in (np.zeros((240, 320, 3)), rng.integers(0, 256, (240, 320, 3))):
+        with pytest.raises(VisionError, match="no tag"):
+            learn_colors((np.asarray(image, np.uint8),), eye, (*NOMINAL, BLACK))
+
+
 def test_wrong_samples_are_refused() -> None:
     red = ColorSamples("red", np.full((3, 3), 40, np.uint8))
     prints = (Print("red", (40.0, 40.0, 40.0)),)

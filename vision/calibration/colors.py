@@ -67,8 +67,10 @@ def learn_colors(
         Samples of all colours, and how far they can be trusted.
 
     Raises:
-        VisionError: if no tag is found, a colour is seen on none, or colours may be exchanged.
+        VisionError: if there is no picture or one of another size, no tag is found, a colour is
+            seen on none, or colours may be exchanged.
     """
+    _check_sizes(images, eye)
     frames = tuple(find_outlines(image, eye) for image in images)
     names, given = eye.palette.names, {color.name: color.bgr for color in nominal}
     model = print_model(np.array([given[name] for name in names], np.float64))
@@ -91,6 +93,19 @@ def learn_colors(
         tuple(robot_id for robot_id in eye.tags.ids if robot_id not in found),
         margin,
     )
+
+
+def _check_sizes(images: tuple[Pixels, ...], eye: Eye) -> None:
+    """Refuse pictures the camera cannot have taken."""
+    w, h = eye.camera.size_px
+    if not images:
+        raise VisionError("no picture to learn colours from")
+    for number, image in enumerate(images):
+        if image.shape != (h, w, 3) or image.dtype != np.uint8:
+            raise VisionError(
+                f"picture {number}: {image.dtype} {image.shape}, but the camera takes uint8 "
+                f"({h}, {w}, 3)"
+            )
 
 
 def _triple(color: Floats) -> tuple[float, float, float]:
