@@ -5,16 +5,11 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    field_validator,
-    model_validator,
-)
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+from pipeline.config_palette import PaletteConfig
+from pipeline.config_section import Positive, Section
+
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
 Seconds = Annotated[float, Field(ge=0, le=10, allow_inf_nan=False)]
@@ -24,17 +19,9 @@ SignedFraction = Annotated[float, Field(gt=-1, lt=1, allow_inf_nan=False)]
 Pixels = Annotated[int, Field(ge=32, le=8192)]
 PerChannel = tuple[Positive, Positive]
 Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
-Level = Annotated[int, Field(ge=0, le=255)]
-Level3 = tuple[Level, Level, Level]
 Identifier = (
     Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
 )
-
-
-class Section(BaseModel):
-    """Base of all sections: unknown keys are errors, values do not change after loading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class CameraConfig(Section):
@@ -68,27 +55,6 @@ class SensorConfig(Section):
     chroma_upsampling: Literal["linear", "nearest"] = "linear"
     chroma_offset_px: tuple[Finite, Finite] = (0.0, 0.0)
     jpeg_quality: Annotated[int, Field(ge=1, le=100)] | None = None
-
-
-class PaletteConfig(Section):
-    """Colours as the camera shows them; written by `echelon calibrate colors`.
-
-    Measured pixels of every colour, of "black" and of "floor"; the prints' colours in one light;
-    how much darker and brighter than measured they may appear.
-    """
-
-    light: tuple[Positive, Positive] = (0.45, 1.8)
-    prints: dict[str, tuple[Positive, Positive, Positive]]
-    samples: dict[str, Annotated[tuple[Level3, ...], Field(min_length=1, max_length=200)]]
-
-    @model_validator(mode="after")
-    def _same_names(self) -> Self:
-        if self.light[0] > self.light[1]:
-            raise ValueError(f"light: {self.light[0]} is above {self.light[1]}")
-        odd = set(self.prints) ^ (set(self.samples) - {"black", "floor"})
-        if odd:
-            raise ValueError(f"{', '.join(sorted(odd))}: need both prints and samples")
-        return self
 
 
 class PartConfig(Section):
