@@ -40,6 +40,14 @@ NOMINAL = (
 TEACHERS = ("b_all2", "b_r0", "b_white2", "b_yellow1")  # one frame of each light
 
 
+VSSS = (
+    *NOMINAL[:3],
+    NamedColor("green", (60, 150, 30)),
+    NamedColor("cyan", (220, 200, 40)),
+    NamedColor("pink", (200, 120, 240)),
+)  # of the two-colour tops of another team
+
+
 def truth(folder: str, name: str) -> dict[str, Any]:
     """The labels of a frame."""
     found: dict[str, Any] = json.loads((REAL / "truth" / folder / f"{name}.json").read_text())
@@ -47,21 +55,25 @@ def truth(folder: str, name: str) -> dict[str, Any]:
 
 
 @cache
-def nominal_eye() -> Eye:
-    """The camera, the ten tags and nominal colours."""
-    robots = json.loads((REAL / "layouts.json").read_text())["agh_b"]["robots"]
+def nominal_eye(
+    layout: str = "agh_b",
+    px_per_m: float = PX_PER_M,
+    nominal: tuple[NamedColor, ...] = NOMINAL,
+) -> Eye:
+    """The camera, the tags and nominal colours."""
+    robots = json.loads((REAL / "layouts.json").read_text())[layout]["robots"]
     tags = []
     for robot_id, robot in robots.items():
         parts = (
             Part(f"part{n}", polygon_array(SIDE * np.array(p["pts"])), p["color"])
             for n, p in enumerate(robot["polygons"])
         )
-        tags.append(Layout("triangle", tuple(parts)).worn_by(robot_id, ()))
-    camera = overhead_camera((640, 480), 640 / PX_PER_M, (0.0, 0.0), 3.0, 0.0)
+        tags.append(Layout(layout, tuple(parts)).worn_by(robot_id, ()))
+    camera = overhead_camera((640, 480), 640 / px_per_m, (0.0, 0.0), 3.0, 0.0)
     optics = Optics(0.6, 3.0, ChromaModel("444"))
     thresholds = Thresholds(residual_px=1.2, confidence=0.2, light_spread=0.6)
     tag_set = TagSet(tuple(tags), mirror_twins=True)
-    return make_eye(camera, tag_set, palette_from_colors(NOMINAL), optics, thresholds)
+    return make_eye(camera, tag_set, palette_from_colors(nominal), optics, thresholds)
 
 
 @cache
@@ -94,6 +106,19 @@ def test_the_tags_of_every_frame_are_found_and_named_without_a_palette(name: str
     for lesson in found.lessons:
         robot = robots[eye.tags.ids[lesson.tag]]
         x, y = lesson.pose[:2] * PX_PER_M
+        assert hypot(x + 319.5 - robot["x"], 239.5 - y - robot["y"]) < 1.5
+        assert cos(lesson.pose[2] - radians(robot["heading_deg"])) > cos(radians(6.0))
+
+
+@pytest.mark.parametrize("name", ["scene_a_640", "scene_b_640"])
+def test_tops_without_a_plate_are_found_and_named_too(name: str) -> None:
+    eye = nominal_eye("rodetas", 24.24 / SIDE, VSSS)
+    found = learn_colors((read_image(REAL / "rodetas" / f"{name}.png"),), eye, VSSS)
+    robots = {robot["id"]: robot for robot in truth("rodetas", name)["robots"]}
+    assert len(found.lessons) == len(robots) == 6
+    for lesson in found.lessons:
+        robot = robots[eye.tags.ids[lesson.tag]]
+        x, y = lesson.pose[:2] * 24.24 / SIDE
         assert hypot(x + 319.5 - robot["x"], 239.5 - y - robot["y"]) < 1.5
         assert cos(lesson.pose[2] - radians(robot["heading_deg"])) > cos(radians(6.0))
 

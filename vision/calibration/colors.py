@@ -25,7 +25,7 @@ Floats = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 _SURE = 2.0  # a tag teaches if every other robot would cost so much more there
-_SURE_NAMES = 6.0  # and if exchanging any colours would cost so much more
+_SURE_NAMES = 3.5  # and if exchanging any colours would cost so much more
 _STRANGE = 2.2  # cost per degree of freedom above which these are not the scenario's colours
 _GUESSED = 4  # of them: brightness, white balance (2), stray light
 
