@@ -44,7 +44,7 @@ def palette_text(learned: LearnedColors, tags: TagSet, scenario: str, frames: li
     teachers = sorted({str(tags.ids[lesson.tag]) for lesson in learned.lessons})
     lines = [
         "# Colours as the camera shows them, found by echelon calibrate colors.",
-        '# A scenario includes this file: include = ["colors.toml"]',
+        "# A scenario includes this file by its name: include = [...].",
         f"# Scenario {scenario}; frames {', '.join(frames)}.",
         f"# {len(learned.lessons)} tags taught: robots {', '.join(teachers)}.",
         *(f"# {line}" for line in rival_lines(learned.rivals)),
