@@ -6,10 +6,11 @@ The files beside this one (``session_*.py``, ``video*.py``) are the only place t
 from datasets.session_format import SessionHeader, software_versions
 from datasets.session_reader import Session, SessionEnd, is_session, read_session
 from datasets.session_writer import SessionWriter
-from datasets.video import Footage, image_files, read_frames, read_image
+from datasets.video import IMAGE_SUFFIXES, Footage, image_files, read_frames, read_image
 from datasets.video_writer import FolderWriter, TruthWriter, VideoWriter
 
 __all__ = [
+    "IMAGE_SUFFIXES",
     "FolderWriter",
     "Footage",
     "Session",

@@ -4,18 +4,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import cv2
+import numpy as np
 
 from pipeline.camera_model import make_camera
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_markers, make_tags, nominal_colors
 from vision.aruco import ArucoDetector
+from vision.calibration.learned import Print, palette_from_samples
 from vision.camera import CameraModel
 from vision.detector import ColorDetector, Detector
 from vision.errors import VisionError
 from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
-from vision.palette import NamedColor, palette_from_colors
+from vision.palette import ColorSamples, NamedColor, Palette, palette_from_colors
 from vision.tags import TagSet
 
 
@@ -108,6 +110,25 @@ def _builder(
     return _colored
 
 
+def colored_eye(seeing: Seeing, size_px: tuple[int, int]) -> Eye:
+    """The eye behind a detector of colours.
+
+    Args:
+        seeing: of a scenario.
+        size_px: width and height of the frames [px].
+
+    Returns:
+        The eye.
+
+    Raises:
+        ConfigError: if the robots wear printed markers, or frames of the size are not allowed.
+    """
+    detector = seeing.detector_for(size_px)
+    if not isinstance(detector, ColorDetector):
+        raise ConfigError(f"scenario {seeing.name}: its robots wear markers, not colours")
+    return detector.eye
+
+
 def named_colors(scenario: Scenario) -> tuple[NamedColor, ...]:
     """The scenario's colours as the camera sees them under full light.
 
@@ -136,9 +157,44 @@ def scenario_eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
 
     Returns:
         The eye.
+
+    Raises:
+        ConfigError: if [palette] lacks a colour of the tags.
     """
-    used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
-    palette = palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
     s = scenario.sensor
     chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
+    palette = scenario_palette(scenario, tags)
     return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
+
+
+def scenario_palette(scenario: Scenario, tags: TagSet) -> Palette:
+    """The palette of the tags' colours: as measured, or else from the nominal colours.
+
+    Args:
+        scenario: its [palette] or its [colors].
+        tags: worn by the robots.
+
+    Returns:
+        The palette.
+
+    Raises:
+        ConfigError: if [palette] lacks a colour of the tags.
+    """
+    config = scenario.palette
+    if config is None:
+        used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
+        return palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
+    lacking = [name for name in tags.search_colors if name not in config.samples]
+    if lacking:
+        raise ConfigError(
+            f"scenario {scenario.name}: palette.samples lacks {', '.join(lacking)}, which the tags "
+            "need; run echelon calibrate colors with all robots in the picture"
+        )
+    used_names = {*tags.search_colors, "black", "floor"}
+    samples = tuple(
+        ColorSamples(name, np.array(pixels, np.uint8))
+        for name, pixels in config.samples.items()
+        if name in used_names
+    )
+    prints = tuple(Print(name, config.prints[name]) for name in tags.search_colors)
+    return palette_from_samples(samples, prints, config.light)

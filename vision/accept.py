@@ -6,13 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.geometry import Pose2D, wrap_angle
+from vision.assignment import REPEATED, settle
 from vision.compiled import compiled
 from vision.eye import Eye
 from vision.identify import Candidates
-from vision.palette import LEVELS
 from vision.pose import Fit
 from vision.projection import Lens, project_point
 from vision.scene import Detection, PixelPose, Rejection
+from vision.scoring import color_ratios, compare_color, score_colors
 from vision.shapes import Looks
 
 Floats = NDArray[np.float64]
@@ -21,10 +22,6 @@ Indices = NDArray[np.intp]
 _BORDER_PX = 0.25  # a tag may reach so far beyond the image
 _APART = 0.85  # plates nearer than this share of their width are two readings of one place
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
-_LIT = (-0.6, 0.1)  # log brightness for which the palette is right
-_DARK, _BRIGHT = 20.0, 250.0  # values beyond tell nothing of the light
-_TYPICAL = 80.0  # neither does a channel of which a colour has less
-_REPEATED, _TAKEN = -1, -2  # why an acceptable candidate is not accepted
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,8 +29,8 @@ class Verdict:
     """Scores of fitted candidates.
 
     Attributes:
-        scores: shape (N, T), probability of the colours of the least certain part if candidate n
-            wears tag t, 0 where it is not possible.
+        scores: shape (N, T), probability that candidate n has the colours of tag t rather than any
+            colours, 0 where it is not possible.
         sound: shape (N,), whether place and misfit are those of a tag, whatever the colours.
         good: shape (N,), whether the candidate can be accepted.
         moved: shape (N,), way of the fit from where it began [m].
@@ -76,9 +73,9 @@ def judge(
         np.zeros(possible.shape), np.empty(count, np.bool_), np.empty(count, np.bool_),
         np.empty(count), np.empty(count), np.empty((count, 3)),
     )  # fmt: skip
-    _score(
-        fit.colors, candidates.shapes, eye.looks, eye.palette.posterior, gains, possible,
-        slack * limits.light_spread, verdict.scores,
+    score_colors(
+        fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
+        verdict.scores,
     )  # fmt: skip
     _to_screen(
         fit.poses, candidates.shapes, eye.looks, eye.camera.lens, eye.camera.tag_height,
@@ -107,15 +104,17 @@ def assign(
         Index of the tag of every candidate, negative for none, shape (N,); rejections.
     """
     nearest = 2.0 * _APART * min(shape.inner_radius for shape in eye.shapes)
-    tags = np.empty(len(fit.poses), np.intp)
     order = np.lexsort((fit.residual_px, ~verdict.good))
-    limit = eye.thresholds.confidence
-    _settle(verdict.scores, verdict.good, order, fit.poses, taken, nearest, limit, tags)
+    places = np.ascontiguousarray(fit.poses[:, :2])
+    tags = settle(verdict.scores, verdict.good, order, places, taken, nearest)
+    rows = np.flatnonzero(tags >= 0)
+    unsure = verdict.scores[rows, tags[rows]] < eye.thresholds.confidence
     rejected = [
         _rejection(verdict, n, _why_not(verdict, fit, candidates, eye, n, tags))
-        for n in np.flatnonzero(tags < 0).tolist()
-        if tags[n] != _REPEATED
+        for n in [*np.flatnonzero(tags < 0).tolist(), *rows[unsure].tolist()]
+        if tags[n] != REPEATED
     ]
+    tags[rows[unsure]] = REPEATED
     return tags, tuple(rejected)
 
 
@@ -156,22 +155,9 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
     Returns:
         Shape (N, K, 3), BGR of every part; NaN where there is none or it is too dark or saturated.
     """
-    ratios = np.full((len(tags), eye.looks.classes.shape[1], 3), np.nan)
-    _compare_colors(fit.colors, tags, eye.looks, ratios)
+    ratios = np.empty((len(tags), eye.looks.classes.shape[1], 3))
+    color_ratios(fit.colors, tags, eye.looks, ratios)
     return ratios
-
-
-@compiled
-def _compare_colors(colors: Floats, tags: Indices, looks: Looks, ratios: Floats) -> None:
-    """Fill in the ratios of the coloured parts of accepted tags."""
-    for n in range(len(tags)):
-        for k in range(looks.classes.shape[1]):
-            if tags[n] < 0 or looks.classes[tags[n], k] == 0:
-                continue
-            for channel in range(3):
-                seen, typical = colors[n, k, channel], looks.typical[tags[n], k, channel]
-                if typical > _TYPICAL and _DARK < seen < _BRIGHT:
-                    ratios[n, k, channel] = seen / typical
 
 
 @compiled
@@ -186,55 +172,6 @@ def _compare(
         near = overhang[n] <= _BORDER_PX and moved[n] < radius
         sound[n] = near and residual_px[n] < most_px
         good[n] = sound[n] and scores[n].max() >= confidence
-
-
-@compiled
-def _score(
-    colors: Floats, shapes: Indices, looks: Looks, posterior: NDArray[np.float32], gains: Floats,
-    possible: NDArray[np.bool_], spread: float, scores: Floats,
-) -> None:  # fmt: skip
-    """Probability (N, T) of the least certain coloured part, all parts being in the same light.
-
-    A tag in a shadow is judged as if it were lit as the palette knows it.
-    """
-    for n in range(len(shapes)):
-        for tag in range(possible.shape[1]):
-            if not possible[n, tag] or looks.shape_of[tag] != shapes[n]:
-                continue
-            darkest, brightest = np.inf, -np.inf
-            for k in range(looks.classes.shape[1]):
-                if looks.classes[tag, k] > 0:
-                    light = _lightness(colors[n, k], looks.typical[tag, k], gains)
-                    darkest, brightest = min(darkest, light), max(brightest, light)
-            middle = 0.5 * (darkest + brightest)
-            local = gains * np.exp(middle - min(max(middle, _LIT[0]), _LIT[1]))
-            contrast, least = (brightest - darkest) / spread, 1.0
-            for k in range(looks.classes.shape[1]):
-                kind = looks.classes[tag, k]
-                if kind > 0:
-                    least = min(least, posterior[_packed(colors[n, k], local), kind])
-            scores[n, tag] = least * np.exp(-0.5 * contrast * contrast)
-
-
-@compiled
-def _packed(color: Floats, gains: Floats) -> int:
-    """A colour (3,) as the palette would have seen it, packed to 15 bit; nan is black."""
-    place = 0
-    for channel in range(2, -1, -1):
-        value = color[channel] / gains[channel]
-        cell = 0 if not value > 0.0 else min(int(value), 255) >> 3
-        place = place * LEVELS + cell
-    return place
-
-
-@compiled
-def _lightness(color: Floats, typical: Floats, gains: Floats) -> float:
-    """Logarithm of the light on a part, told by its brightness."""
-    shared, square = 0.0, 1e-9
-    for channel in range(3):
-        shared += color[channel] / gains[channel] * typical[channel]
-        square += typical[channel] * typical[channel]
-    return float(np.log(max(shared / square, 1e-3)))
 
 
 @compiled
@@ -260,47 +197,6 @@ def _to_screen(
         overhang[n] = worst
 
 
-@compiled
-def _settle(
-    scores: Floats, good: NDArray[np.bool_], order: Indices, poses: Floats, taken: Floats,
-    nearest: float, limit: float, tags: Indices,
-) -> None:  # fmt: skip
-    """Pair candidates and tags, the surest first; of overlapping ones the best fitting counts.
-
-    The chances of two colours for one part add up to at most 1, so a candidate reaches more than
-    1/2 for one tag only; for limits above 1/2 this is the assignment with the largest sum.
-    """
-    tags[:] = _TAKEN
-    _drop_repeated(order, poses, taken, nearest, tags)
-    free = np.ones(scores.shape[1], np.bool_)
-    while True:
-        best, candidate, tag = 0.0, -1, -1
-        for n in range(len(tags)):
-            for t in range(len(free)):
-                waits = good[n] and tags[n] == _TAKEN and free[t]
-                if waits and scores[n, t] >= limit and scores[n, t] > best:
-                    best, candidate, tag = scores[n, t], n, t
-        if candidate < 0:
-            return
-        tags[candidate], free[tag] = tag, False
-
-
-@compiled
-def _drop_repeated(
-    order: Indices, poses: Floats, taken: Floats, nearest: float, tags: Indices
-) -> None:
-    """Mark candidates that overlap a better one, or a robot already found."""
-    for rank in range(len(order)):
-        n = order[rank]
-        for x, y in taken:
-            if np.hypot(poses[n, 0] - x, poses[n, 1] - y) < nearest:
-                tags[n] = _REPEATED
-        for before in order[:rank]:
-            away = np.hypot(poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1])
-            if tags[before] != _REPEATED and away < nearest:
-                tags[n] = _REPEATED
-
-
 def _why_not(
     verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, n: int, tags: Indices
 ) -> str:
@@ -323,20 +219,18 @@ def _why_not(
 
 
 def _color_reason(colors: Floats, shape: int, scores: Floats, eye: Eye) -> str:
-    """Name the part whose colour is least certain, and what it looks like."""
-    chances = eye.palette.probabilities(colors)
-    kind, rows = eye.shapes[shape], list(eye.shapes[shape].tags)
-    classes = eye.looks.classes[rows]
-    part = min(kind.colored, key=lambda k: chances[k][classes[:, k]].max())
-    label = ("no colour", *eye.palette.names)
-    surest = float(chances[part][classes[:, part]].max())
-    if surest >= eye.thresholds.confidence:
-        return f"colours {surest:.2f}, but only {scores.max():.2f} with all parts in the same light"
-    first, second = np.argsort(-chances[part])[:2]
+    """Name the part whose colour is the farthest from what it may be."""
+    kind, looks, limit = eye.shapes[shape], eye.looks, eye.thresholds.confidence
+    tag = max(kind.tags, key=lambda t: scores[t])
+    unit = np.ones(3)
+    angles = [float(compare_color(colors[k], looks.typical[tag, k], unit)[1]) for k in kind.colored]
+    part = kind.colored[int(np.argmax(angles))]
+    name = eye.palette.names[looks.classes[tag, part] - 1]
     b, g, r = np.clip(colors[part], 0, 255)
     return (
-        f"{kind.names[part]} colour ambiguous or wrong: {label[first]} {chances[part, first]:.2f},"
-        f" {label[second]} {chances[part, second]:.2f} (b {b:.0f}, g {g:.0f}, r {r:.0f})"
+        f"colours {scores.max():.2f}, limit {limit:.2f}: at best robot {eye.tags.ids[tag]}, whose "
+        f"{kind.names[part]} is {name}; seen b {b:.0f}, g {g:.0f}, r {r:.0f}, "
+        f"{np.degrees(max(angles)):.0f} deg from it"
     )
 
 

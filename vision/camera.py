@@ -77,6 +77,19 @@ class CameraModel:
         project_points(self.lens, np.ascontiguousarray(points, np.float64), pixels)
         return pixels
 
+    def tag_pixels(self, poses: Floats) -> Floats:
+        """Map the centres of tags to pixels.
+
+        Args:
+            poses: shape (N, 3), x, y, theta on the floor [m, m, rad].
+
+        Returns:
+            Pixels, shape (N, 2); NaN for tags behind the camera.
+        """
+        points = poses.copy()
+        points[:, 2] = self.tag_height
+        return self.project(points)
+
     def to_floor(self, pixels: Floats, height: float) -> Floats:
         """Map pixels to a plane parallel to the floor.
 

@@ -31,7 +31,7 @@ class Thresholds:
         agreement: share of sample points that must show the part's colour before the fit.
         light_spread: standard deviation of the logarithm of the light on the parts of one tag, as
             told by their brightness.
-        confidence: probability of the tag's colours, after the fit.
+        confidence: probability of the tag's colours rather than any, after the fit.
         residual_px: largest rms misfit after the fit [px].
         max_blobs: larger numbers are cut, the largest blobs stay.
         max_candidates: larger numbers are cut, the best candidates stay.
@@ -40,9 +40,9 @@ class Thresholds:
     blob_share: float = 0.2
     distance_share: float = 0.4
     agreement: float = 0.4
-    light_spread: float = 0.3
+    light_spread: float = 0.25
     confidence: float = 0.5
-    residual_px: float = 0.8
+    residual_px: float = 1.2
     max_blobs: int = 400
     max_candidates: int = 64
 

@@ -86,7 +86,7 @@ def _follow(
         return (), (), light
     tags = np.array([index[p.robot_id] for p in known])
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in known])
-    centers = eye.camera.project(_at_height(poses, eye.camera.tag_height))
+    centers = eye.camera.tag_pixels(poses)
     start = Candidates(eye.looks.shape_of[tags], poses, centers, np.ones(len(known)))
     possible = tags[:, None] == np.arange(len(eye.tags.tags))
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
@@ -121,13 +121,6 @@ def _search(
 
 
 _NOWHERE = np.zeros((0, 2))
-
-
-def _at_height(poses: Floats, height: float) -> Floats:
-    """Points (N, 3) in space of poses (N, 3)."""
-    points = poses.copy()
-    points[:, 2] = height
-    return points
 
 
 def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:

@@ -26,6 +26,7 @@ class Looks(NamedTuple):
         shape_of: shape (T,), geometry of every tag.
         classes: shape (T, K), colour class of every part, 0 for background.
         typical: shape (T, K, 3), BGR of every part under full light.
+        part_counts: shape (S,), how many parts a geometry has.
         centroids: shape (S, K, 2), centres of what is visible of the parts [m].
         anchors: shape (S, A, 2), pairs of coloured parts by whose blobs tags are searched for.
         samples: shape (S, M, 2), points deep inside coloured parts [m].
@@ -36,6 +37,7 @@ class Looks(NamedTuple):
     shape_of: Indices
     classes: Indices
     typical: Floats
+    part_counts: Indices
     centroids: Floats
     anchors: Indices
     samples: Floats
@@ -125,7 +127,8 @@ def make_looks(
     anchors = [np.array(shape.anchors, np.intp).reshape(-1, 2) for shape in shapes]
     corners = [tags.tags[shape.tags[0]].parts[0].polygon for shape in shapes]
     return Looks(
-        shape_of, classes, np.ascontiguousarray(palette.typical[classes]), centroids,
+        shape_of, classes, np.ascontiguousarray(palette.typical[classes]),
+        np.array([len(shape.names) for shape in shapes], np.intp), centroids,
         _padded(anchors), _padded(samples), _padded(owners, -1), _padded(corners),
     )  # fmt: skip
 
