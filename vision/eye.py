@@ -42,7 +42,7 @@ class Thresholds:
     agreement: float = 0.4
     light_spread: float = 0.25
     confidence: float = 0.5
-    residual_px: float = 1.2
+    residual_px: float = 0.8
     max_blobs: int = 400
     max_candidates: int = 64
 
