@@ -1,8 +1,8 @@
 """The Cramer-Rao bound: how well any unbiased method could know a pose from the pixels.
 
 The noise-free picture is linear in the brightness of the tag's K parts and of the floor around it;
-these are unknown, in blue, green and red. Its slope by x, y and heading comes from the renderer's
-own exact coverage. With J the derivative of the picture by all 3 + 3 (K + 1) unknowns and S the
+these are unknown, in blue, green and red. Its slope by x, y and heading comes from the renderer
+itself, see `slopes`. With J the derivative of the picture by all 3 + 3 (K + 1) unknowns and S the
 covariance of what the sensor adds, the bound is the upper left of (J^T S^-1 J)^-1.
 
 Three kinds of pictures. "444": every pixel's three channels have noise of their own, are rounded
@@ -15,44 +15,21 @@ measured beside tags and robots, that between such blocks is left out.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from datasets.coverage import polygon_coverage
-from datasets.sensor import SensorModel
-from vision.camera import CameraModel
-from vision.palette import BGR_FROM_YCC, YCC_FROM_BGR, NamedColor
-from vision.tags import Tag
+from benchmarks.slopes import Slopes, in_blocks
+from vision.palette import BGR_FROM_YCC, YCC_FROM_BGR
 
 Floats = NDArray[np.float64]
 
-_AROUND_PX = 3  # of floor seen around the tag, beyond the reach of the lens
-_STEP_PX = 1e-3  # of the derivative
 _ROUNDING = 1.0 / 12.0  # variance of rounding to whole numbers
 _GREY = np.arange(256.0)
 _UNLIKELY = 1e-12
 _LEAST = 1e-6  # information of a pixel far beyond what the sensor can show
 _MEANS = np.linspace(0.0, 255.0, 1021)  # for which the information of a pixel is worked out
-
-
-@dataclass(frozen=True, slots=True)
-class Slopes:
-    """A noise-free picture around a tag, in B blocks of 2 x 2 pixels.
-
-    Attributes:
-        picture: shape (B, 12), brightness of pixel and channel: pixels row by row, BGR in each.
-        by_pose: shape (B, 12, 3), its derivative by x, y, theta [per m, per m, per rad].
-        by_color: shape (B, 12, 3 (K + 1)), by blue, green and red of all parts and the floor.
-        window: first column and row, width and height of the blocks in the picture [px], all even.
-    """
-
-    picture: Floats
-    by_pose: Floats
-    by_color: Floats
-    window: tuple[int, int, int, int]
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +106,7 @@ def left_over(every: Sequence[Slopes], image: NDArray[np.uint8], chroma: str) ->
     found = []
     for slopes in every:
         x, y, w, h = slopes.window
-        change = _blocks(seen[y : y + h, x : x + w, :, None])[..., 0] - slopes.picture
+        change = in_blocks(seen[y : y + h, x : x + w, :, None])[..., 0] - slopes.picture
         found.append((change if chroma == "444" else change @ _KEPT.T).reshape(-1))
     return found
 
@@ -150,49 +127,6 @@ def information(means: Floats, noise: float) -> Floats:
     likely = chance > _UNLIKELY  # the others hold nothing but rounding errors
     told: Floats = (slope**2 / np.where(likely, chance, np.inf)).sum(axis=1)
     return told
-
-
-def make_slopes(
-    tag: Tag,
-    pose: Floats,
-    camera: CameraModel,
-    sensor: SensorModel,
-    colors: tuple[NamedColor, ...],
-    floor_bgr: tuple[float, float, float],
-) -> Slopes:
-    """Differentiate the noise-free picture of a tag on a floor of one colour, under even light.
-
-    Args:
-        tag: what is seen.
-        pose: shape (3,), x, y, theta [m, m, rad].
-        camera: who looks.
-        sensor: its lens.
-        colors: how the tag's colours look.
-        floor_bgr: colour of the floor, of 255.
-
-    Returns:
-        The picture and its slopes.
-    """
-    bgr = {color.name: color.bgr for color in colors}
-    palette = np.array([bgr[part.color] for part in tag.parts] + [floor_bgr], float)
-    px = float(np.sqrt(abs(np.linalg.det(camera.affine_at(_point(pose, camera))[0]))))  # per m
-    steps = _STEP_PX / px * np.diag((1.0, 1.0, 2.0 / tag.side))
-    rectangle = _window(tag, pose, camera, ceil(4.0 * sensor.blur_px) + _AROUND_PX)
-    middle = sensor.blur(_visible(tag, pose, camera, rectangle).astype(np.float32))
-    seen = np.asarray(middle, float)
-    by_pose = []
-    for axis, step in enumerate(steps):
-        change = _visible(tag, pose + step, camera, rectangle)
-        change -= _visible(tag, pose - step, camera, rectangle)
-        slope = sensor.blur((change / (2.0 * step[axis])).astype(np.float32))
-        by_pose.append(np.asarray(slope, float) @ palette)
-    by_color = np.einsum("hwk,cd->hwckd", seen, np.eye(3)).reshape(*seen.shape[:2], 3, -1)
-    return Slopes(
-        _blocks((seen @ palette)[..., None])[..., 0],
-        _blocks(np.stack(by_pose, axis=-1)),
-        _blocks(by_color),
-        rectangle,
-    )
 
 
 def _inverse(matrix: Floats) -> Floats:
@@ -239,48 +173,3 @@ _KEPT = _kept()
 _KEPT_ROUNDING = np.diag(
     _ROUNDING * np.array([1.0, 1.0, 1.0, 1.0, 1.25, 1.25])
 )  # mean of 4, then itself
-
-
-def _point(pose: Floats, camera: CameraModel) -> Floats:
-    """A tag's centre in space, shape (1, 3) [m]."""
-    return np.array([[pose[0], pose[1], camera.tag_height]])
-
-
-def _corners(polygon: Floats, pose: Floats, camera: CameraModel) -> Floats:
-    """Where a polygon of a tag appears, shape (N, 2) [px, corner coordinates]."""
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    places = polygon @ np.array([[c, s], [-s, c]]) + pose[:2]
-    return camera.project(np.column_stack((places, np.full(len(places), camera.tag_height)))) + 0.5
-
-
-def _window(tag: Tag, pose: Floats, camera: CameraModel, around: int) -> tuple[int, int, int, int]:
-    """First column and row (even), width and height (even) of a window around a tag [px]."""
-    corners = np.vstack([_corners(part.polygon, pose, camera) for part in tag.parts])
-    low = np.floor(corners.min(axis=0)).astype(int) - around
-    low -= low % 2
-    size = np.ceil(corners.max(axis=0)).astype(int) + around - low
-    size += size % 2
-    return int(low[0]), int(low[1]), int(size[0]), int(size[1])
-
-
-def _visible(
-    tag: Tag, pose: Floats, camera: CameraModel, window: tuple[int, int, int, int]
-) -> Floats:
-    """Share of every pixel that shows each part, and last the floor, shape (h, w, K + 1)."""
-    x, y, width, height = window
-    covered = [
-        polygon_coverage(_corners(part.polygon, pose, camera) - (x, y), (height, width))
-        for part in tag.parts
-    ]
-    visible = [*covered, 1.0 - sum(c for c, p in zip(covered, tag.parents, strict=True) if p < 0)]
-    for own, parent in zip(covered, tag.parents, strict=True):
-        if parent >= 0:
-            visible[parent] = visible[parent] - own
-    return np.stack(visible, axis=-1)
-
-
-def _blocks(image: Floats) -> Floats:
-    """Sort (h, w, 3, P) into blocks of 2 x 2 pixels, (B, 12, P)."""
-    h, w, _, slopes = image.shape
-    sorted_ = image.reshape(h // 2, 2, w // 2, 2, 3, slopes).transpose(0, 2, 1, 3, 4, 5)
-    return np.ascontiguousarray(sorted_).reshape(-1, 12, slopes)

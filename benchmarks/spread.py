@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.bound import Noise, Slopes, best_estimate, left_over, make_slopes
+from benchmarks.bound import Noise, best_estimate, left_over
 from benchmarks.cases import ROBOTS, Case, make_case_field
 from benchmarks.field import COLORS, SIDE, TAG_HEIGHT, Field, strewn
+from benchmarks.slopes import Slopes, Views, make_slopes
 from control.geometry import wrap_angle
 from vision.frame import Frame
 from vision.locate import locate
@@ -232,15 +233,19 @@ def _noise(case: Case, seen: list[list[Floats]]) -> Noise:
     return Noise(case.noise, case.kept, blocks.T @ blocks / len(blocks))
 
 
+_VIEWS: dict[tuple[float, float], Views] = {}
 _SLOPES: dict[tuple[float, float, int, bytes], Slopes] = {}
 
 
 def _slopes(field: Field, case: Case, n: int, pose: Floats) -> Slopes:
     """Slopes of robot n's picture, shared by cases that differ in noise and codec only."""
-    key = case.plate_px, case.blur_px, n, pose.tobytes()
+    lens = case.plate_px, case.blur_px
+    key = *lens, n, pose.tobytes()
+    if lens not in _VIEWS:  # the tags differ in their colours only
+        _VIEWS[lens] = Views(field.eye.tags.tags[0], field.eye.camera, field.sensor)
     if key not in _SLOPES:
-        tag, camera = field.eye.tags.tags[n], field.eye.camera
-        _SLOPES[key] = make_slopes(tag, pose, camera, field.sensor, COLORS, case.floor.bgr)
+        worn = [part.color for part in field.eye.tags.tags[n].parts]
+        _SLOPES[key] = make_slopes(_VIEWS[lens], pose, worn, COLORS, case.floor.bgr)
     return _SLOPES[key]
 
 

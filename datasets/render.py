@@ -107,14 +107,28 @@ class Renderer:
         Raises:
             SimulationError: if a robot wears no tag or a state is not finite.
         """
-        robots = self._paint(self._in_view(states))
-        image = self._calm(robots) if self._painter.still else self._busy(robots, t)
-        frame = frame_number(t)
+        image, frame = self.light(states, t), frame_number(t)
         for stage in self._stages:
             image = stage(image, frame)
         picture: NDArray[np.uint8] = image.astype(np.uint8, copy=False)
         picture.flags.writeable = False
         return picture
+
+    def light(self, states: tuple[RobotState, ...], t: float) -> Singles:
+        """What falls on the pixels, before anything that the sensor does to it.
+
+        Args:
+            states: as for `render`.
+            t: moment of capture [s].
+
+        Returns:
+            Shape (H, W, 3), linear in the light, of 255.
+
+        Raises:
+            SimulationError: if a robot wears no tag or a state is not finite.
+        """
+        robots = self._paint(self._in_view(states))
+        return self._calm(robots) if self._painter.still else self._busy(robots, t)
 
     def _in_view(self, states: tuple[RobotState, ...]) -> tuple[RobotState, ...]:
         """Robots that may appear; beyond the seen floor a lens model means nothing."""

@@ -23,6 +23,7 @@ _MOST_PX = 0.3  # largest rms misfit of the edges, as a share of a cell
 _LEAST_LIKENESS = 0.6  # correlation of the cells' brightness with the marker's
 _SIZES = (0.8, 1.25)  # of a marker against the robots'
 _ROUGH = 0.12  # largest misfit of corners before the fit, as a share of a side
+_SMEARED = 0.3  # share of a cell, on every side, into which the lens smears its neighbours
 _CELL_PX = 4  # pixels across a cell when the brightness of cells is measured
 _MAX_REASONS = 32
 
@@ -52,7 +53,9 @@ class ArucoDetector:
         self._cells = {n: marker_cells(markers.dictionary, n) for n in self._robots}
         dictionary = marker_dictionary(markers.dictionary)
         self._count = dictionary.markerSize + 2
-        self._finder = cv2.aruco.ArucoDetector(dictionary)
+        parameters = cv2.aruco.DetectorParameters()
+        parameters.perspectiveRemoveIgnoredMarginPerCell = _SMEARED
+        self._finder = cv2.aruco.ArucoDetector(dictionary, parameters)
 
     def locate(self, frame: Frame, predictions: tuple[Prediction, ...], light: Light) -> Scene:
         """Find the markers in a frame.

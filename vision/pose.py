@@ -33,6 +33,7 @@ _STEP = 0.3  # longest Gauss-Newton step, in arms: half sides of the largest tag
 _SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
 _ASTRAY_PX = 0.7  # samples are collected anew after a longer way
 _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
+_ROUNDING = 1.0 / 12.0  # no picture is truer than its rounding to whole numbers: variance
 _LEAST = 0.05  # share of the residuals that a step leaves at least
 _STIFFNESS_M, _STIFFNESS_RAD = 0.1, 10.0  # known beforehand: keeps blind fits solvable
 
@@ -232,7 +233,7 @@ def _add(
             gradient[j] += precision * unit[j] * pull[j]
             for k in range(3):
                 normal[j, k] += precision * unit[j] * unit[k] * own[j, k]
-        misfit += precision * squares
+        misfit += precision * max(squares, _ROUNDING * weights)  # without contrast: nothing fits
         slope += precision * steep * unit[0] ** 2
     return misfit, slope, free * channels
 

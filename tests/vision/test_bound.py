@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from benchmarks.bound import Noise, best_estimate, information, left_over, make_slopes
+from benchmarks.bound import Noise, best_estimate, information, left_over
 from benchmarks.cases import PLAIN, Case, make_case_field
-from benchmarks.field import COLORS
+from benchmarks.field import COLORS, Field
+from benchmarks.slopes import Slopes, Views, make_slopes
 from benchmarks.spread import Spread, run, summed
 
 POSE = np.array([0.47, 0.38, 0.7])
@@ -14,6 +15,13 @@ POSE = np.array([0.47, 0.38, 0.7])
 def spread(plate_px: int, codec: str) -> Spread:
     """Figures of 140 fits at noise 3 and blur 0.6."""
     return summed(run(Case(plate_px, 3.0, 0.6, codec), layouts=4))
+
+
+def slopes_in(field: Field) -> Slopes:
+    """Of the first robot at `POSE`."""
+    tag = field.eye.tags.tags[0]
+    worn = [part.color for part in tag.parts]
+    return make_slopes(Views(tag, field.eye.camera, field.sensor), POSE, worn, COLORS, PLAIN.bgr)
 
 
 # Plate [px], codec, limits of rms / bound for position and heading. Wanted: 1.3 without codec, 2.0
@@ -51,16 +59,14 @@ def test_information_of_a_pixel() -> None:
 
 
 def test_slopes_belong_to_the_rendered_picture() -> None:
-    case = Case(10, 3.0, 0.6, "444")
     noisefree = make_case_field(Case(10, 0.0, 0.6, "444"))
-    tag, camera, sensor = noisefree.eye.tags.tags[0], noisefree.eye.camera, case.sensor
     poses = np.array([POSE, *np.tile((9.0, 9.0, 0.0), (6, 1))])  # the others are out of sight
 
     def seen(step: np.ndarray) -> np.ndarray:
         image = noisefree.picture(poses + step * np.eye(7, 1), 0).image
         return left_over([slopes], image, "444")[0]
 
-    slopes = make_slopes(tag, POSE, camera, sensor, COLORS, PLAIN.bgr)
+    slopes = slopes_in(noisefree)
     assert np.abs(seen(np.zeros(3))).max() < 0.51  # rounding to 8 bit, and no more
     for axis, size in enumerate((5e-4, 5e-4, 0.02)):
         step = size * np.eye(3)[axis]
@@ -71,8 +77,7 @@ def test_slopes_belong_to_the_rendered_picture() -> None:
 
 def test_laws_of_the_bound() -> None:
     field = make_case_field(Case(12, 3.0, 0.6, "444"))
-    tag, camera = field.eye.tags.tags[0], field.eye.camera
-    slopes = make_slopes(tag, POSE, camera, field.sensor, COLORS, PLAIN.bgr)
+    slopes = slopes_in(field)
 
     def deviations(sigma: float, chroma: str, known: bool = False) -> np.ndarray:
         return np.sqrt(np.diag(best_estimate(slopes, Noise(sigma, chroma), known)[0]))

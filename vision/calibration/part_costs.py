@@ -24,6 +24,7 @@ _LIGHTS = 1.0  # and between tags
 _MISFIT_PX = 0.7  # residual that costs 1: pixels, or a share of a tag's side
 _MISFIT = 0.035
 _PLATE = 0.25  # spread of the logarithm by which a black plate may seem brighter than a part
+_FAINT = 15.0  # difference between a part and the black plate that costs 1 [grey levels]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +99,8 @@ def part_colors(frames: tuple[Sightings, ...], eye: Eye) -> PartColors:
         colors[rows, :count] = np.maximum(found[rows][:, shape.colored], 1.0)
         plate = np.setdiff1d(np.arange(len(shape.names)), shape.colored)
         bright = _brighter(found[rows][:, plate], colors[rows, :count]) / _PLATE
-        own = (residual[rows] / spread[rows]) ** 2 + bright**2
+        faint = _FAINT / _contrast(found[rows][:, plate], colors[rows, :count])
+        own = (residual[rows] / spread[rows]) ** 2 + bright**2 + faint**2
         fixed[rows[:, None], tags] = own[:, None]
     return PartColors(
         np.repeat(np.arange(len(frames)), [len(seen) for seen in frames]),
@@ -112,3 +114,13 @@ def _brighter(black: Floats, colored: Floats) -> Floats:
     brightest = np.linalg.norm(np.maximum(black, 1.0), axis=2).max(axis=1, initial=1.0)
     excess: Floats = np.maximum(np.log(brightest / darkest), 0.0)
     return excess
+
+
+def _contrast(black: Floats, colored: Floats) -> Floats:
+    """Least difference between a coloured part and a black one, (N,) [grey levels]; at least 1.
+
+    Where parts hardly differ, the geometry is that of noise. Infinite if no part is black.
+    """
+    between = np.linalg.norm(colored[:, :, None] - np.maximum(black[:, None], 1.0), axis=3)
+    least: Floats = np.maximum(between.min(axis=(1, 2), initial=np.inf), 1.0)
+    return least
