@@ -1,7 +1,7 @@
 """The whole loop in rooms that are not kind: the paper's formation under each effect.
 
 Bounds are what the formation must hold, in mm and degrees of true relative states over the last
-20 % of 4.5 s, in the half-circle; about half as much again as measured.
+20 % of 4.5 s, in the half-circle; 1.15 times what is measured.
 """
 
 from math import degrees
@@ -11,22 +11,28 @@ import pytest
 from tests.pipeline.runs import run_scenario
 
 SURVIVED = (  # scenario, recall, vision mm and deg, distance mm and bearing deg of the followers
-    ("bayer", 0.999, 1.0, 1.3, 3.0, 1.3),
-    ("blurred", 0.999, 0.5, 0.8, 2.0, 0.8),
-    ("cables", 0.98, 0.6, 0.8, 4.0, 1.6),
-    ("clutter", 0.999, 0.4, 0.5, 2.0, 0.8),
-    ("flicker", 0.97, 3.5, 0.8, 3.0, 1.2),
-    ("gamma", 0.999, 0.6, 0.4, 2.0, 0.8),
-    ("hard-room", 0.99, 4.0, 1.4, 3.0, 1.4),
-    ("hot-pixels", 0.98, 1.1, 1.5, 3.0, 1.3),
-    ("jitter", 0.999, 3.1, 0.6, 2.0, 1.4),
-    ("lamp-off", 0.98, 0.4, 0.5, 2.0, 0.8),
-    ("lens", 0.999, 0.3, 0.4, 2.0, 0.8),
-    ("mjpeg", 0.999, 0.5, 0.7, 2.0, 0.8),
-    ("motion-blur", 0.999, 0.3, 0.4, 2.0, 0.8),
-    ("noisy", 0.999, 0.4, 0.6, 2.0, 0.8),
-    ("rolling-shutter", 0.999, 5.0, 1.0, 3.5, 0.8),
-    ("vignetting", 0.999, 0.5, 0.5, 2.0, 0.8),
+    ("bayer", 0.999, 0.61, 0.57, 1.84, 0.90),
+    ("blurred", 0.999, 0.34, 0.55, 2.14, 0.73),
+    ("cables", 0.999, 0.15, 0.15, 1.45, 0.23),
+    ("clutter", 0.999, 0.14, 0.16, 1.44, 0.36),
+    ("dim", 0.985, 0.23, 0.38, 1.44, 0.40),
+    ("dropped", 0.999, 1.96, 0.21, 1.35, 0.35),
+    ("dusk", 0.999, 0.13, 0.17, 1.45, 0.30),
+    ("flicker", 0.999, 2.45, 0.42, 2.36, 0.72),
+    ("gamma", 0.999, 0.29, 0.12, 1.64, 0.22),
+    ("glare", 0.999, 0.21, 0.22, 1.47, 0.25),
+    ("hard-room", 0.999, 1.97, 0.83, 2.39, 0.59),
+    ("hot-pixels", 0.999, 0.62, 0.75, 1.76, 0.90),
+    ("jitter", 0.999, 2.20, 0.30, 1.79, 1.53),
+    ("lamp-off", 0.999, 0.15, 0.20, 1.49, 0.41),
+    ("lens", 0.999, 0.11, 0.16, 1.42, 0.22),
+    ("mjpeg", 0.999, 0.22, 0.37, 1.50, 0.66),
+    ("motion-blur", 0.999, 0.14, 0.15, 1.45, 0.18),
+    ("noisy", 0.999, 0.24, 0.40, 1.53, 0.34),
+    ("rolling-shutter", 0.999, 3.55, 0.59, 2.83, 0.45),
+    ("shadow", 0.999, 1.21, 0.26, 2.12, 1.43),
+    ("vignetting", 0.999, 0.33, 0.18, 1.59, 0.36),
+    ("white-balance", 0.999, 0.12, 0.14, 1.44, 0.32),
 )
 IN_PLACE = (  # the triangle from the start: 4.5 s are then enough
     "robots.2.start={ x_m = -0.2, y_m = 0.15 }",

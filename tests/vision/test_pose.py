@@ -48,36 +48,43 @@ def rms(errors: np.ndarray) -> tuple[float, float]:
     return 1e3 * float(position), degrees(float(np.sqrt((errors[:, 2] ** 2).mean())))
 
 
-LADDER = [  # sensor, position [mm], heading [deg]; measured values are about 2/3 of these
-    (SensorModel(0.0, 0.6, 0.0, chroma="444"), 0.20, 0.30),
-    (SensorModel(0.0, 0.6, 0.3), 0.17, 0.27),
-    (SensorModel(1.5, 0.6, 0.3), 0.18, 0.30),
-    (SensorModel(3.0, 0.6, 0.3), 0.21, 0.36),
-    (SensorModel(3.0, 0.6, 0.3, chroma="422"), 0.21, 0.36),
-    (SensorModel(3.0, 0.6, 0.3, chroma_upsampling="nearest"), 0.21, 0.38),
-    (SensorModel(6.0, 0.6, 0.3), 0.32, 0.60),
-    (SensorModel(3.0, 1.2, 0.3), 0.35, 0.60),
-    (SensorModel(3.0, 0.6, 0.3, jpeg_quality=85), 0.40, 0.75),
+# Sensor, position [mm], heading [deg], NEES: 1.15 times what is measured. NEES is 3 if the covariance
+# tells the truth; light that falls off across a plate (0.3) is no noise and stays unknown to the fit.
+# It moves poses by 0.05 mm, 0.007 px, which shows where noise is less than that.
+LADDER = [
+    (SensorModel(0.0, 0.6, 0.0, chroma="444"), 0.043, 0.029, 4.3),
+    (SensorModel(0.0, 0.6, 0.3), 0.066, 0.046, 14.7),
+    (SensorModel(1.5, 0.6, 0.3), 0.083, 0.066, 6.3),
+    (SensorModel(3.0, 0.6, 0.3), 0.109, 0.132, 4.0),
+    (SensorModel(3.0, 0.6, 0.3, chroma="422"), 0.111, 0.129, 4.2),
+    (SensorModel(3.0, 0.6, 0.3, chroma_upsampling="nearest"), 0.125, 0.143, 5.7),
+    (SensorModel(6.0, 0.6, 0.3), 0.173, 0.252, 3.2),
+    (SensorModel(3.0, 1.2, 0.3), 0.239, 0.273, 5.0),
+    (SensorModel(3.0, 0.6, 0.3, jpeg_quality=85), 0.171, 0.276, 3.1),
 ]
 
 
-@pytest.mark.parametrize(("sensor", "position_mm", "heading_deg"), LADDER)
-def test_error_ladder(sensor: SensorModel, position_mm: float, heading_deg: float) -> None:
+@pytest.mark.parametrize(("sensor", "position_mm", "heading_deg", "nees"), LADDER)
+def test_error_ladder(
+    sensor: SensorModel, position_mm: float, heading_deg: float, nees: float
+) -> None:
     errors, normalised = fitted(make_world(sensor=sensor), seed=11)
     position, heading = rms(errors)
     assert position < position_mm
     assert heading < heading_deg
-    assert 0.7 < normalised.mean() < 6.0  # 3 if the covariance tells the truth
+    assert 1.5 < normalised.mean() < nees
 
 
+# Where pixels see the floor foreshortened, at the border of a wide lens or under a tilted camera, the
+# fit knows their mean width only: NEES is 8 and 14 there (under even light, too).
 CAMERAS = [
     (
         overhead_camera((322, 182), 2.1, (-0.3, 1.9), 1.6, 0.05, (-0.18, 0.03, 0.001, 0.0, 0)),
-        0.25,
-        0.45,
+        0.14,
+        0.38,
     ),
-    (overhead_camera((640, 480), 2.4, (0.5, 0.4), 2.5, 0.075), 0.15, 0.25),
-    (tilted_camera(), 0.25, 0.7),  # seen at up to 48 degrees: pixels are no longer square
+    (overhead_camera((640, 480), 2.4, (0.5, 0.4), 2.5, 0.075), 0.037, 0.038),
+    (tilted_camera(), 0.206, 0.65),  # seen at up to 48 degrees: pixels are no longer square
 ]
 
 
@@ -92,7 +99,7 @@ def test_other_cameras(camera: CameraModel, position_mm: float, heading_deg: flo
 def test_chroma_siting_is_a_property_of_the_camera() -> None:
     shifted = SensorModel(3.0, 0.6, 0.3, chroma_offset_px=(0.5, -0.5))
     errors, _ = fitted(make_world(sensor=shifted), seed=13)
-    assert rms(errors)[0] < 0.25
+    assert rms(errors)[0] < 0.108
     right, wrong = make_world(), make_world(sensor=shifted)
     errors, _ = fitted(World(right.eye, wrong.renderer), seed=13)
     assert np.hypot(*errors[:, :2].mean(axis=0)) > 0.5e-3  # unknown, it is a bias
@@ -104,8 +111,8 @@ def test_other_layouts_need_no_other_code() -> None:
     tags = TagSet(tuple(worn), mirror_twins=True)
     errors, _ = fitted(make_world(tags=tags), seed=14)
     position, heading = rms(errors)
-    assert position < 0.3
-    assert heading < 0.6
+    assert position < 0.128
+    assert heading < 0.167
 
 
 def test_colours_are_unmixed() -> None:
@@ -141,11 +148,12 @@ def test_the_same_picture_gives_the_same_bits() -> None:
 def test_thinning_large_tags_keeps_the_accuracy() -> None:
     camera = overhead_camera((640, 480), 0.9, (0.1, 0.2), 2.0, 0.075)
     world = make_world(camera=camera)
-    assert world.eye.gauge.pixels.shares[..., 1:].max() < 0.7 * 2**32
+    pixels = world.eye.gauge.pixels
+    assert (pixels.shares[..., 1:] / pixels.row_steps[..., None]).max() < 0.7 * 2**32
     errors, _ = fitted(world, seed=15, frames=6)
     position, heading = rms(errors)
-    assert position < 0.12
-    assert heading < 0.15
+    assert position < 0.031
+    assert heading < 0.026
 
 
 def test_unknown_chroma_is_refused() -> None:
