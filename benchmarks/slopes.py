@@ -74,10 +74,11 @@ class Views:
         Returns:
             Share of every pixel that shows each part, and last the floor, shape (h, w, K + 1).
         """
-        x, y, width, height = window
-        robot = RobotState(self.tag.robot_id, UnicycleState(*pose.tolist(), 0.0, 0.0))
+        column, row, width, height = window
+        x, y, theta = pose.tolist()
+        robot = RobotState(self.tag.robot_id, UnicycleState(x, y, theta, 0.0, 0.0))
         seen = [
-            renderer.light((robot,), 0.0)[y : y + height, x : x + width]
+            renderer.light((robot,), 0.0)[row : row + height, column : column + width]
             for renderer in self._renderers
         ]
         parts = np.concatenate(seen, axis=2)[..., : len(self.tag.parts)] / 255.0

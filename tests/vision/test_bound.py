@@ -24,8 +24,8 @@ def slopes_in(field: Field) -> Slopes:
     return make_slopes(Views(tag, field.eye.camera, field.sensor), POSE, worn, COLORS, PLAIN.bgr)
 
 
-# Plate [px], codec, limits of rms / bound for position and heading: 1.15 times what the fit reaches.
-# Wanted: 1.3 without codec, 2.0 with one.
+# Plate [px], codec, limits of rms / bound for position and heading: 1.15 times what the fit
+# reaches. Wanted: 1.3 without codec, 2.0 with one.
 REACHED = [
     (8, "444", 1.17, 1.24),
     (10, "444", 1.17, 1.15),

@@ -48,9 +48,9 @@ def rms(errors: np.ndarray) -> tuple[float, float]:
     return 1e3 * float(position), degrees(float(np.sqrt((errors[:, 2] ** 2).mean())))
 
 
-# Sensor, position [mm], heading [deg], NEES: 1.15 times what is measured. NEES is 3 if the covariance
-# tells the truth; light that falls off across a plate (0.3) is no noise and stays unknown to the fit.
-# It moves poses by 0.05 mm, 0.007 px, which shows where noise is less than that.
+# Sensor, position [mm], heading [deg], NEES: 1.15 times what is measured. NEES is 3 if the
+# covariance tells the truth. Light that falls off across a plate (0.3) is no noise and unknown
+# to the fit; it moves poses by 0.05 mm, 0.007 px, which shows where noise is less than that.
 LADDER = [
     (SensorModel(0.0, 0.6, 0.0, chroma="444"), 0.043, 0.029, 4.3),
     (SensorModel(0.0, 0.6, 0.3), 0.066, 0.046, 14.7),
@@ -75,8 +75,8 @@ def test_error_ladder(
     assert 1.5 < normalised.mean() < nees
 
 
-# Where pixels see the floor foreshortened, at the border of a wide lens or under a tilted camera, the
-# fit knows their mean width only: NEES is 8 and 14 there (under even light, too).
+# Where pixels see the floor foreshortened, at the border of a wide lens or under a tilted camera,
+# the fit knows their mean width only: NEES is 8 and 14 there, under even light, too.
 CAMERAS = [
     (
         overhead_camera((322, 182), 2.1, (-0.3, 1.9), 1.6, 0.05, (-0.18, 0.03, 0.001, 0.0, 0)),
