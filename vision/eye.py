@@ -136,9 +136,9 @@ def _gauge(
     )  # fmt: skip
 
 
-def _plane(index: int, templates: Templates, noise: list[float], independence: float) -> Plane:
+def _plane(plane: int, templates: Templates, noise: list[float], independence: float) -> Plane:
     """Put together what is known of one kind of samples."""
     return Plane(
-        index, templates.cells, templates.usage, templates.shares, templates.row_steps,
+        plane, templates.cells, templates.usage, templates.shares, templates.row_steps,
         templates.cell, np.array(noise), independence,
     )  # fmt: skip

@@ -14,7 +14,7 @@ class Plane(NamedTuple):
     """Samples of one kind: pixels, or colours as means of 2 x 2 pixels.
 
     Attributes:
-        index: 0 for pixels, 1 for colours.
+        plane: 0 for pixels, 1 for colours.
         cells: shape (L, S, turns, n, n, K), see `Templates`.
         usage: shape (L, S, n, n), which samples are used.
         shares: shape (L, S, 3), how many of them.
@@ -24,7 +24,7 @@ class Plane(NamedTuple):
         independence: how many independent samples one counts for.
     """
 
-    index: int
+    plane: int
     cells: Singles
     usage: Bytes
     shares: NDArray[np.uint32]

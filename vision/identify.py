@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.floor_map import floor_at, pixel_slopes
+from vision.leftovers import SLACK_PX, cut, feeble, lonely
 from vision.scene import Rejection
 from vision.segment import Blobs
 from vision.shapes import Looks
@@ -18,9 +19,7 @@ Bytes = NDArray[np.uint8]
 
 _SAME_PLACE = 0.3  # candidates are one if they are nearer than this share of the tag's radius
 _SAME_HEADING = 0.5  # and their headings differ by less than this [rad]
-_MAX_REASONS = 32
 _MAX_PAIRS = 1024  # of blobs that are looked at
-_SLACK_PX = 1.0  # error of the distance of two blobs beside the relative one
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +41,11 @@ class Candidates:
     def __len__(self) -> int:
         return len(self.agreement)
 
-    def take(self, chosen: Indices) -> "Candidates":
+    def take(self, chosen: Indices | slice) -> "Candidates":
         """Choose some candidates.
 
         Args:
-            chosen: indices, shape (M,).
+            chosen: indices, shape (M,), or a range of them.
 
         Returns:
             These candidates.
@@ -73,11 +72,12 @@ def propose(
     """
     found, seen = _pairs(blobs, classes, eye, wanted)
     strong = int(np.count_nonzero(found.agreement >= eye.thresholds.agreement))
-    best = _distinct(found.take(np.arange(strong)), eye)
-    kept = best.take(np.arange(min(len(best), eye.thresholds.max_candidates)))
-    weak = found.take(np.arange(strong, len(found)))
-    reasons = _lonely(blobs, eye, found) + _weak(weak, kept, eye)
-    reasons += _cut(len(best) - len(kept) + max(seen - _MAX_PAIRS, 0), blobs.dropped, eye)
+    best = _distinct(found.take(slice(strong)), eye)
+    kept = best.take(slice(eye.thresholds.max_candidates))
+    weak = found.take(slice(strong, None))
+    reasons = lonely(blobs, eye, found.centers)
+    reasons += feeble(weak.centers, weak.agreement, kept.centers, eye)
+    reasons += cut(len(best) - len(kept) + max(seen - _MAX_PAIRS, 0), blobs.dropped, eye)
     return kept, reasons
 
 
@@ -113,7 +113,7 @@ def _pair_up(
                 continue
             one, two = looks.centroids[shape, parts[0]], looks.centroids[shape, parts[1]]
             length = np.hypot(two[0] - one[0], two[1] - one[1])
-            slack = share * length + _SLACK_PX / scales[0]
+            slack = share * length + SLACK_PX / scales[0]
             reach = (length + slack) * scales[1]
             for a in range(len(kinds)):
                 for b in range(a + 1, len(kinds)):
@@ -232,68 +232,3 @@ def _distinct(candidates: Candidates, eye: Eye) -> Candidates:
     place, turn = _SAME_PLACE * eye.radius, float(np.cos(_SAME_HEADING))
     count = _keep_distinct(candidates.shapes, candidates.poses, place, turn, most, kept)
     return candidates.take(kept[:count])
-
-
-def _lonely(blobs: Blobs, eye: Eye, found: Candidates) -> tuple[Rejection, ...]:
-    """Say of large blobs without a partner what was missing."""
-    if len(blobs) == 0:
-        return ()
-    scale = float(eye.gauge.scales[-1])
-    away = blobs.centers[:, None] - found.centers
-    near = np.hypot(away[..., 0], away[..., 1]).min(axis=1, initial=np.inf)
-    alone = np.flatnonzero(~(near < eye.radius * scale))
-    reasons = []
-    for index in alone[:_MAX_REASONS]:
-        label, area = int(blobs.classes[index]), float(blobs.areas[index])
-        missing = _missing_partner(eye, label, area, scale)
-        if missing:
-            reason = f"{eye.palette.names[label - 1]} blob of {area:.0f} px: {missing}"
-            reasons.append(_at(blobs.centers[index], reason))
-    return tuple(reasons)
-
-
-def _missing_partner(eye: Eye, label: int, area: float, scale: float) -> str:
-    """What a blob of a class would need to be part of a tag; empty if it is too small to matter."""
-    for index, shape in enumerate(eye.shapes):
-        centroids, classes = eye.looks.centroids[index], eye.looks.classes[list(shape.tags)]
-        for i, j in shape.anchors:
-            for part, other in ((i, j), (j, i)):
-                large = area > 0.5 * shape.areas[part] * scale**2
-                if large and (classes[:, part] == label).any():
-                    length = float(np.hypot(*(centroids[i] - centroids[j])))
-                    reach = length * (1 + eye.thresholds.distance_share) * scale + _SLACK_PX
-                    names = shape.names
-                    return f"{names[part]} patch without {names[other]} patch within {reach:.1f} px"
-    return ""
-
-
-def _weak(weak: Candidates, kept: Candidates, eye: Eye) -> tuple[Rejection, ...]:
-    """Say of pairs that disagree with the class image by how much, if nothing better is there."""
-    reasons: list[Rejection] = []
-    told = kept.centers
-    reach = eye.radius * float(eye.gauge.scales[-1])
-    for center, agreement in zip(weak.centers, weak.agreement, strict=True):
-        if (np.hypot(*(told - center).T) < reach).any():
-            continue
-        told = np.vstack((told, center))
-        shares = f"{agreement:.2f} < {eye.thresholds.agreement:.2f}"
-        reasons.append(_at(center, f"colours agree at too few points: {shares}"))
-        if len(reasons) == _MAX_REASONS:
-            break
-    return tuple(reasons)
-
-
-def _cut(candidates: int, blobs: int, eye: Eye) -> tuple[Rejection, ...]:
-    """Say that a limit was reached."""
-    reasons = []
-    if blobs:
-        reasons.append(f"{blobs} smaller blobs beyond {eye.thresholds.max_blobs} not looked at")
-    if candidates:
-        limit = eye.thresholds.max_candidates
-        reasons.append(f"{candidates} weaker candidates beyond {limit} not looked at")
-    middle = 0.5 * (np.array(eye.camera.size_px) - 1.0)
-    return tuple(_at(middle, reason) for reason in reasons)
-
-
-def _at(pixel: Floats, reason: str) -> Rejection:
-    return Rejection(float(pixel[0]), float(pixel[1]), reason)

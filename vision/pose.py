@@ -224,7 +224,7 @@ def _linearise(g: Gauge, spot: _Spot, local: Floats, room: _Room) -> tuple[float
 def _add(plane: Plane, spot: _Spot, local: Floats, room: _Room) -> tuple[float, float, float]:
     """Add the samples of a plane to the normal equations; returns misfit, slope and freedom."""
     cells, channels = plane.cells[spot.level, spot.shape, spot.turn], len(plane.noise)
-    first, parts = plane.index, cells.shape[2]
+    first, parts = plane.plane, cells.shape[2]
     table, count = room.tables[first], room.counts[first]
     inverse, own, pull = room.inner[0], room.normal[1], room.gradient[3]
     look_up(
