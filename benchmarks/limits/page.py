@@ -42,6 +42,13 @@ followers mm, deg | events | end |
 |---|---|---|---|---|---|---|---|---|
 """
 
+_FAILS = """
+## What fails
+
+Runs that did not end, that a safety rule slowed down, or in which a robot was taken for another.
+
+"""
+
 
 def page(cells: Sequence[Cell], rows: Sequence[Row]) -> str:
     """Write the page.
@@ -53,7 +60,8 @@ def page(cells: Sequence[Cell], rows: Sequence[Row]) -> str:
     Returns:
         Markdown.
     """
-    return _HEAD + _GRID + _grids(cells) + "\n" + _EFFECTS + "".join(map(_line, rows))
+    effects = _EFFECTS + "".join(map(_line, rows))
+    return _HEAD + _GRID + _grids(cells) + "\n" + effects + _FAILS + "".join(map(_failure, rows))
 
 
 def table(cells: Sequence[Cell], rows: Sequence[Row]) -> str:
@@ -138,6 +146,15 @@ def _line(row: Row) -> str:
         row.end,
     )
     return "| " + " | ".join(parts) + " |\n"
+
+
+def _failure(row: Row) -> str:
+    """A line for runs that failed in some way, else nothing."""
+    said = [] if row.end == "finished" else ["did not end in time"]
+    said += [f"{row.events} safety events"] if row.events else []
+    pairs = (("searched", row.searched.false_ids), ("tracked", row.seen.false_ids))
+    said += [f"{count} false ids when {how}" for how, count in pairs if count]
+    return f"- {row.effect}, {row.strength}: {', '.join(said)}\n" if said else ""
 
 
 def _times(factor: float, value: float | None) -> float:
