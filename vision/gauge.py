@@ -17,8 +17,8 @@ class Plane(NamedTuple):
         plane: 0 for pixels, 1 for colours.
         cells: shape (L, S, turns, n, n, K), see `Templates`.
         usage: shape (L, S, n, n), which samples are used.
-        shares: shape (L, S, 3), how many of them.
-        row_steps: shape (L, S), and of which rows.
+        shares: shape (L, S, 2, 3), how many of them, for a coarse and for the full look.
+        row_steps: shape (L, S, 2), and of which rows.
         cell: side of a cell [m].
         noise: shape (C,), standard deviation of a sample's values [grey levels].
         independence: how many independent samples one counts for.

@@ -34,6 +34,7 @@ _SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter
 _ASTRAY_PX = 0.7  # samples are collected anew after a longer way
 _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
 _ROUNDING = 1.0 / 12.0  # no picture is truer than its rounding to whole numbers: variance
+_COARSE_PAYS = 2.0  # so many times fewer samples make a coarse look first worth while
 _LEAST = 0.05  # share of the residuals that a step leaves at least
 _STIFFNESS_M, _STIFFNESS_RAD = 0.1, 10.0  # known beforehand: keeps blind fits solvable
 
@@ -73,11 +74,14 @@ class _Room(NamedTuple):
 
 
 class _Spot(NamedTuple):
-    """Where a tag is looked for: index of its scale, of its geometry, and of its heading's turn."""
+    """How a tag is looked for: index of its scale, of its geometry, of its heading's turn; whether
+    coarsely (0) or fully (1).
+    """
 
     level: int
     shape: int
     turn: int
+    look: int
 
 
 def fit_poses(
@@ -144,18 +148,22 @@ def _fit_one(
     scale, turns = g.scales[level], g.pixels.cells.shape[2]
     gradient, delta, local = room.gradient[0], room.gradient[1], room.gradient[2]
     x, y, tilt, away, sums = pose[0], pose[1], 0.0, np.inf, (0.0, 0.0, 1.0)
-    for _ in range(steps):
+    shares = g.pixels.shares[level, shape]
+    look = 0 if shares[1, 2] > _COARSE_PAYS * shares[0, 2] and steps > 1 else 1
+    for step in range(steps):
         if away * scale > _ASTRAY_PX:
             tilt = _follow(g.nodes, pose[0] - x, pose[1] - y, center)
             x, y, away = pose[0], pose[1], 0.0
-            _collect(image, g, _Spot(level, shape, 0), pose, center, room)
+            _collect(image, g, _Spot(level, shape, 0, look), pose, center, room)
         turn = int(np.floor((pose[2] - tilt) * (2.0 * turns / np.pi) + 0.5)) % turns
         local[0], local[1], local[2] = pose[0] - x, pose[1] - y, pose[2]
-        sums = _linearise(g, _Spot(level, shape, turn), local, room)
+        sums = _linearise(g, _Spot(level, shape, turn, look), local, room)
         invert(room.normal[0], covariance)
         length = _step(covariance, gradient, g.arm, pose, delta)
         away += length
-        if length * scale < _SETTLED_PX:
+        if look == 0 and (length * scale < _ASTRAY_PX or step == steps - 2):
+            look, away = 1, np.inf  # near enough for all samples
+        elif length * scale < _SETTLED_PX:
             break
     misfit, slope, freedom = sums
     gain = delta[0] * gradient[0] + delta[1] * gradient[1] + delta[2] * gradient[2]
@@ -199,9 +207,9 @@ def _collect(
 @compiled_part
 def _usage(plane: Plane, spot: _Spot) -> Usage:
     """Which samples of a tag are used."""
-    level, shape = spot.level, spot.shape
-    step = plane.row_steps[level, shape]
-    return Usage(plane.usage[level, shape], plane.shares[level, shape], step, plane.cell)
+    level, shape, look = spot.level, spot.shape, spot.look
+    step = plane.row_steps[level, shape, look]
+    return Usage(plane.usage[level, shape], plane.shares[level, shape, look], step, plane.cell)
 
 
 @compiled_part

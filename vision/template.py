@@ -28,7 +28,10 @@ _MARGIN_PX = 3.0  # of a template around the tag; of colour, 2 samples
 _LEAST_BLUR_PX = 0.25  # a sharper lens cannot be sampled
 _EDGE = 0.04  # change of a coverage from one sample to the next that tells something of the pose
 _RING = 2  # samples around the tag that show the floor
-_MOST_PIXELS, _MOST_COLORS = (150.0, 720.0), (80.0, 300.0)  # used elsewhere, and at edges
+_PIXELS = ((40.0, 160.0), (150.0, 720.0))  # used elsewhere, and at edges: coarsely, and fully
+_COLORS = ((30.0, 80.0), (80.0, 300.0))
+_AMPLE = 1400.0  # samples at edges beyond which ever fewer are used: large tags are exact anyway
+_MOST_ROW_STEP = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +43,9 @@ class Templates:
             heading on the screen, y (left) and x (forward), read-only.
         usage: shape (L, shapes, n, n), what a sample at a place of the tag's frame tells: 0
             nothing, 1 the brightness of a part, 2 also the pose, read-only.
-        shares: shape (L, shapes, 3), of the samples of each usage in the rows looked at this share
-            is used, of 2^32 - 1, read-only.
-        row_steps: shape (L, shapes), every so many-th row is looked at, read-only.
+        shares: shape (L, shapes, 2, 3), of the samples of each usage in the rows looked at this
+            share is used, of 2^32 - 1, for a coarse and for the full look, read-only.
+        row_steps: shape (L, shapes, 2), every so many-th row is looked at, read-only.
         cell: side of a cell [m].
     """
 
@@ -82,9 +85,11 @@ def make_templates(
                 images = np.roll(images, (n // 2, n // 2), axis=(1, 2))
                 cells[level, shape, turn, :, :, : len(images)] = np.moveaxis(images, 0, -1)
     usage = np.array([[_usage(shape[0], sample / cell) for shape in level] for level in cells])
-    most = _MOST_PIXELS if sample_px == 1 else _MOST_COLORS
-    parts_used = np.array([[_shares(u, sample / cell, most) for u in level] for level in usage])
-    row_steps = np.maximum((1.0 / parts_used.max(axis=2)).astype(np.intp), 1)
+    looks = _PIXELS if sample_px == 1 else _COLORS
+    parts_used = np.array(
+        [[[_shares(u, sample / cell, most) for most in looks] for u in level] for level in usage]
+    )
+    row_steps = np.clip((1.0 / parts_used.max(axis=3)).astype(np.intp), 1, _MOST_ROW_STEP)
     shares = (0xFFFFFFFF * np.minimum(parts_used * row_steps[..., None], 1.0)).astype(np.uint32)
     for array in (cells, usage, shares, row_steps):
         array.flags.writeable = False
@@ -175,4 +180,4 @@ def _usage(cells: Singles, step: float) -> Bytes:
 def _shares(usage: Bytes, step: float, most: tuple[float, float]) -> tuple[float, float, float]:
     """Share of the samples of each usage that is used: many are thinned out."""
     flat, edges = (max(np.count_nonzero(usage == kind) / step**2, 1.0) for kind in (1, 2))
-    return 0.0, min(most[0] / flat, 1.0), min(most[1] / edges, 1.0)
+    return 0.0, min(most[0] / flat, 1.0), min(most[1] / edges, 1.0) * min(_AMPLE / edges, 1.0)
