@@ -10,6 +10,7 @@ from vision.assignment import REPEATED, settle
 from vision.compiled import compiled
 from vision.eye import Eye
 from vision.identify import Candidates
+from vision.identity import Expectation, tell_apart
 from vision.pose import Fit
 from vision.projection import Lens, project_point
 from vision.scene import Detection, PixelPose, Rejection
@@ -89,7 +90,12 @@ def judge(
 
 
 def assign(
-    verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, taken: Floats
+    verdict: Verdict,
+    fit: Fit,
+    candidates: Candidates,
+    eye: Eye,
+    taken: Floats,
+    known: Expectation | None = None,
 ) -> tuple[Indices, tuple[Rejection, ...]]:
     """Give every acceptable candidate its robot, every robot and place at most once.
 
@@ -99,6 +105,8 @@ def assign(
         candidates: where the fit began.
         eye: tags and camera.
         taken: shape (M, 2), places of robots already found [m].
+        known: where robots are expected: it decides between candidates with the same colours;
+            None if the colours decide.
 
     Returns:
         Index of the tag of every candidate, negative for none, shape (N,); rejections.
@@ -107,6 +115,9 @@ def assign(
     order = np.lexsort((fit.residual_px, ~verdict.good))
     places = np.ascontiguousarray(fit.poses[:, :2])
     tags = settle(verdict.scores, verdict.good, order, places, taken, nearest)
+    if known is not None:
+        claims = verdict.good & (tags != REPEATED)
+        tell_apart(tags, verdict.scores, claims, places, np.array(eye.tags.alike), known)
     rows = np.flatnonzero(tags >= 0)
     unsure = verdict.scores[rows, tags[rows]] < eye.thresholds.confidence
     rejected = [

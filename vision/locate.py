@@ -1,42 +1,28 @@
 """A frame in, robot poses out, in five stages: follow, segment, propose, fit, accept."""
 
-from dataclasses import dataclass
 from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from control.command import RobotId
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
+from vision.identity import Expectation, Prediction, expect, with_doubts
 from vision.light import PALETTE_LIGHT, Light, relit, taught, watched
 from vision.pose import fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
+
+__all__ = ["Prediction", "locate"]
 
 Floats = NDArray[np.float64]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SLACK = 3.0  # in the light on robots that are where they are expected
 _STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
-
-
-@dataclass(frozen=True, slots=True)
-class Prediction:
-    """Where a robot is expected in the frame.
-
-    Attributes:
-        robot_id: the robot.
-        pose: on the floor [m, m, rad].
-        covariance: of the pose, shape (3, 3) [m^2, m rad, rad^2].
-    """
-
-    robot_id: RobotId
-    pose: Pose2D
-    covariance: Floats
 
 
 def locate(
@@ -64,11 +50,15 @@ def locate(
     """
     check_size(frame, eye.camera.size_px)
     light = watched(light, frame.image)
-    found, rejected, light = _follow(frame, eye, predictions, light)
+    known = expect(eye.tags, predictions) if eye.tags.look_alikes else None
+    found, rejected, light = _follow(frame, eye, predictions, known, light)
     missing = _missing(found, eye)
     if missing.any():
-        more, rejected = _search(frame, eye, missing, found, light)
+        known = known or expect(eye.tags, predictions)
+        more, rejected = _search(frame, eye, missing, found, known, light)
         found += more
+    if known is not None and eye.tags.look_alikes:
+        found = with_doubts(found, eye.tags, known)
     if not found and not predictions:
         light = relit(light)
     order = {robot_id: rank for rank, robot_id in enumerate(eye.tags.ids)}
@@ -77,7 +67,11 @@ def locate(
 
 
 def _follow(
-    frame: Frame, eye: Eye, predictions: tuple[Prediction, ...], light: Light
+    frame: Frame,
+    eye: Eye,
+    predictions: tuple[Prediction, ...],
+    among: Expectation | None,
+    light: Light,
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
     """Fit the predicted robots where they are expected; they tell the light."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
@@ -91,7 +85,7 @@ def _follow(
     possible = tags[:, None] == np.arange(len(eye.tags.tags))
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
-    chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE)
+    chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
 
@@ -101,6 +95,7 @@ def _search(
     eye: Eye,
     missing: NDArray[np.bool_],
     found: tuple[Detection, ...],
+    known: Expectation,
     light: Light,
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...]]:
     """Look for the missing robots in the whole frame."""
@@ -116,7 +111,7 @@ def _search(
     )
     verdict = judge(fit, candidates, eye, possible, light.gains)
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
-    chosen, reasons = assign(verdict, fit, candidates, eye, taken)
+    chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
     return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 
