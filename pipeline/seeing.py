@@ -10,15 +10,19 @@ from pipeline.camera_model import make_camera
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_markers, make_tags, nominal_colors
+from pipeline.notice import told_after
 from vision.aruco import ArucoDetector
 from vision.calibration.learned import Print, palette_from_samples
 from vision.camera import CameraModel
-from vision.detector import ColorDetector, Detector
+from vision.detector import ColorDetector, Detector, warm_up
 from vision.errors import VisionError
 from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
 from vision.palette import ColorSamples, NamedColor, Palette, palette_from_colors
 from vision.tags import TagSet
+
+PATIENCE = 2.0  # of a user who is told nothing [s]
+COMPILING = "compiling the vision for this processor, this once (up to half a minute)"
 
 
 @dataclass(frozen=True)
@@ -88,7 +92,10 @@ def make_seeing(scenario: Scenario) -> Seeing:
         build = _builder(scenario, camera, tags)
         any_size = scenario.camera.other_sizes == "scale"
         floor_known = scenario.camera.floor_known
-        return Seeing(scenario.name, camera, floor_known, tags, any_size, build(camera), build)
+        detector = build(camera)
+        with told_after(PATIENCE, COMPILING):
+            warm_up(detector)
+        return Seeing(scenario.name, camera, floor_known, tags, any_size, detector, build)
     except VisionError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
 

@@ -2,10 +2,13 @@
 
 from typing import Protocol
 
+import numpy as np
+
+from control.geometry import Pose2D
 from vision.camera import CameraModel
 from vision.eye import Eye
-from vision.frame import Frame
-from vision.light import Light
+from vision.frame import Frame, as_frame
+from vision.light import PALETTE_LIGHT, Light
 from vision.locate import Prediction, locate
 from vision.scene import Scene
 from vision.tags import TagSet
@@ -39,6 +42,20 @@ class Detector(Protocol):
             VisionError: if the frame's size is not the camera's.
         """
         ...
+
+
+def warm_up(detector: Detector) -> None:
+    """Let a detector look at nothing, so that the first frame does not wait for the compiler.
+
+    Args:
+        detector: that will be used.
+    """
+    width, height = detector.camera.size_px
+    frame = as_frame(np.zeros((height, width, 3), np.uint8), 0.0, 0)
+    x, y = detector.camera.to_floor(np.array([[0.5 * width, 0.5 * height]]), 0.0)[0].tolist()
+    pose = Pose2D(x, y, 0.0)
+    somewhere = tuple(Prediction(robot_id, pose, np.eye(3)) for robot_id in detector.tags.ids)
+    detector.locate(frame, somewhere, PALETTE_LIGHT)
 
 
 class ColorDetector:

@@ -14,7 +14,7 @@ root. Lengths are in cells of the template.
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled_part
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -26,7 +26,7 @@ _RING, _LEAST_RING = np.float32(0.985), 8  # samples that see as much of the flo
 _NONE, _ALL = np.float32(0.0), np.float32(1.0)
 
 
-@compiled
+@compiled_part
 def look_up(
     cells: Singles, cell: float, pose: Floats, places: Singles, values: Singles, noise: Floats,
     count: int, table: Singles,
@@ -38,15 +38,16 @@ def look_up(
         cell: side of a cell [m].
         pose: shape (3,), of the tag relative to the places' origin [m, m, rad].
         places: shape (2, N), floor points of the samples, x and y [m].
-        values: shape (C, N), what the samples show.
+        values: shape (C or more, N), what the samples show.
         noise: shape (C,), its standard deviation [grey levels].
         count: number of samples.
         table: shape (3 + 3 K + C + 4, N).
     """
-    parts, channels = cells.shape[2], values.shape[0]
+    parts, channels = cells.shape[2], len(noise)
     _place(cells.shape[0], cell, pose, places, count, table)
     weight = table[WEIGHT]
-    weight[:count] = _ALL
+    for i in range(count):
+        weight[i] = _ALL
     for k in range(parts):
         _interpolate(cells, k, count, table)
         covers = table[COVERS + k]
@@ -67,7 +68,7 @@ def look_up(
             shown[i] = weight[i] * own[i]
 
 
-@compiled
+@compiled_part
 def _place(n: int, cell: float, pose: Floats, places: Singles, count: int, table: Singles) -> None:
     """Turn floor points into the tag's frame [cells]; work rows: first cell, and place in it."""
     c, s = np.float32(np.cos(pose[2]) / cell), np.float32(np.sin(pose[2]) / cell)
@@ -86,7 +87,7 @@ def _place(n: int, cell: float, pose: Floats, places: Singles, count: int, table
         first[i] = np.float32(row * n + column)  # exact up to 2^24
 
 
-@compiled
+@compiled_part
 def _interpolate(cells: Singles, part: int, count: int, table: Singles) -> None:
     """Coverage of a part and its slopes [1/cell], interpolated linearly between four cells."""
     n, parts = cells.shape[0], cells.shape[2]
@@ -104,7 +105,7 @@ def _interpolate(cells: Singles, part: int, count: int, table: Singles) -> None:
         slope_x[i], slope_y[i] = step + along[i] * twist, slope
 
 
-@compiled
+@compiled_part
 def _unevenness(outside: Singles, values: Singles, noise: Floats, count: int) -> float:
     """Variance of the floor around the tag, as seen in a ring outside its edge, over the noise's.
 
@@ -125,7 +126,7 @@ def _unevenness(outside: Singles, values: Singles, noise: Floats, count: int) ->
     return worst
 
 
-@compiled
+@compiled_part
 def dot(one: Singles, other: Singles, count: int) -> float:
     """Sum of products.
 
@@ -143,9 +144,9 @@ def dot(one: Singles, other: Singles, count: int) -> float:
     return float(total)
 
 
-@compiled
+@compiled_part
 def solve_brightness(
-    table: Singles, count: int, parts: int, channels: int, inverse: Floats, bright: Floats
+    table: Singles, count: int, parts: int, channels: int, inner: Floats, bright: Floats
 ) -> None:
     """Solve for the brightnesses that explain the samples best.
 
@@ -154,10 +155,11 @@ def solve_brightness(
         count: number of samples.
         parts: K.
         channels: C.
-        inverse: shape (K + 1, K + 1), receives the inverse of the brightnesses' normal matrix.
-        bright: shape (C, K + 1), receives the unknowns a.
+        inner: shape (3, K + 1, K + 1), receives the inverse of the brightnesses' normal matrix as
+            its first member.
+        bright: shape (C or more, K + 1), receives the unknowns a.
     """
-    normal, moment = np.zeros((parts + 1, parts + 1)), np.zeros(parts + 1)
+    inverse, normal, moment = inner[0], inner[1], inner[2, 0]
     for k in range(parts + 1):
         for j in range(k + 1):
             normal[k, j] = normal[j, k] = dot(table[WEIGHT + k], table[WEIGHT + j], count)
@@ -173,7 +175,7 @@ def solve_brightness(
                 bright[channel, k] += inverse[k, j] * moment[j]
 
 
-@compiled
+@compiled_part
 def accumulate(
     table: Singles, count: int, parts: int, channel: int, inverse: Floats, bright: Floats,
     normal: Floats, gradient: Floats,
@@ -205,14 +207,16 @@ def accumulate(
             shared[j, k] = dot(step, table[WEIGHT + k], count)
     slope = normal[0, 0] + normal[1, 1]
     for j in range(3):
-        for k in range(3):
-            for p in range(parts + 1):
-                for q in range(parts + 1):
-                    normal[j, k] -= shared[j, p] * inverse[p, q] * shared[k, q]
+        for p in range(parts + 1):
+            explained = 0.0
+            for q in range(parts + 1):
+                explained += inverse[p, q] * shared[j, q]
+            for k in range(3):
+                normal[j, k] -= explained * shared[k, p]
     return dot(table[-4], table[-4], count), slope
 
 
-@compiled
+@compiled_part
 def _differentiate(table: Singles, count: int, parts: int, channel: int, bright: Floats) -> None:
     """Residuals and the picture's derivatives by forward, left and turn, into the work rows."""
     residual, ahead, aside, turn = table[-4], table[-3], table[-2], table[-1]
@@ -234,7 +238,7 @@ def _differentiate(table: Singles, count: int, parts: int, channel: int, bright:
         turn[i] = x[i] * aside[i] - y[i] * ahead[i]
 
 
-@compiled
+@compiled_part
 def invert(matrix: Floats, inverse: Floats) -> None:
     """Invert a symmetric positive definite matrix by Gauss and Jordan's elimination.
 
@@ -243,9 +247,9 @@ def invert(matrix: Floats, inverse: Floats) -> None:
         inverse: shape (M, M), receives the inverse.
     """
     count = len(matrix)
-    inverse[:] = 0.0
     for k in range(count):
-        inverse[k, k] = 1.0
+        for j in range(count):
+            inverse[k, j] = 1.0 if j == k else 0.0
     for k in range(count):
         pivot = 1.0 / matrix[k, k]
         for j in range(count):

@@ -126,8 +126,8 @@ def _gauge(
     noise = max(float(optics.noise), _LEAST_NOISE)
     of_luma, of_blue, of_red = (noise * np.hypot.reduce(YCC_FROM_BGR, axis=1)).tolist()
     separate = chroma.subsampling == "444" and not any(chroma.offset_px)
-    pixels = _plane(templates[0], [noise] * 3 if separate else [of_luma], 1.0)
-    colors = _plane(templates[1], [0.5 * of_blue, 0.5 * of_red], chroma.independence)
+    pixels = _plane(0, templates[0], [noise] * 3 if separate else [of_luma], 1.0)
+    colors = _plane(1, templates[1], [0.5 * of_blue, 0.5 * of_red], chroma.independence)
     radius = int(np.ceil(tags.outer_radius * float(scales[-1]))) + _REACH_PX
     side = max(tag.side for tag in tags.tags)
     return Gauge(
@@ -136,9 +136,9 @@ def _gauge(
     )  # fmt: skip
 
 
-def _plane(templates: Templates, noise: list[float], independence: float) -> Plane:
+def _plane(index: int, templates: Templates, noise: list[float], independence: float) -> Plane:
     """Put together what is known of one kind of samples."""
     return Plane(
-        templates.cells, templates.usage, templates.shares, templates.cell, np.array(noise),
-        independence,
+        index, templates.cells, templates.usage, templates.shares, templates.row_steps,
+        templates.cell, np.array(noise), independence,
     )  # fmt: skip

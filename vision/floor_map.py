@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.camera import CameraModel
-from vision.compiled import compiled
+from vision.compiled import compiled_part
 from vision.errors import VisionError
 
 Floats = NDArray[np.float64]
@@ -78,7 +78,7 @@ def floor_map(camera: CameraModel, scales: Floats) -> FloorMap:
     return FloorMap(nodes, levels)
 
 
-@compiled
+@compiled_part
 def floor_at(nodes: Floats, x: float, y: float) -> tuple[float, float]:
     """Interpolate a floor map.
 
@@ -104,7 +104,7 @@ def floor_at(nodes: Floats, x: float, y: float) -> tuple[float, float]:
     )  # fmt: skip
 
 
-@compiled
+@compiled_part
 def pixel_slopes(nodes: Floats, x: float, y: float) -> tuple[float, float, float, float]:
     """How pixels move as floor points do.
 

@@ -14,17 +14,21 @@ class Plane(NamedTuple):
     """Samples of one kind: pixels, or colours as means of 2 x 2 pixels.
 
     Attributes:
+        index: 0 for pixels, 1 for colours.
         cells: shape (L, S, turns, n, n, K), see `Templates`.
         usage: shape (L, S, n, n), which samples are used.
         shares: shape (L, S, 3), how many of them.
+        row_steps: shape (L, S), and of which rows.
         cell: side of a cell [m].
         noise: shape (C,), standard deviation of a sample's values [grey levels].
         independence: how many independent samples one counts for.
     """
 
+    index: int
     cells: Singles
     usage: Bytes
     shares: NDArray[np.uint32]
+    row_steps: NDArray[np.intp]
     cell: float
     noise: Floats
     independence: float

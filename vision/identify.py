@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.floor_map import floor_at, pixel_slopes
 from vision.scene import Rejection
@@ -135,7 +135,7 @@ def _pair_up(
     return count
 
 
-@compiled
+@compiled_part
 def _match(
     looks: Looks, shape: int, anchor: int, wanted: NDArray[np.bool_], match: NDArray[np.bool_]
 ) -> bool:
@@ -152,7 +152,7 @@ def _match(
     return some
 
 
-@compiled
+@compiled_part
 def _pose_of_pair(
     first: Floats, second: Floats, one: Floats, two: Floats, slack: float, nodes: Floats,
     pose: Floats, center: Floats,
@@ -175,7 +175,7 @@ def _pose_of_pair(
     return True
 
 
-@compiled
+@compiled_part
 def _agreement(
     classes: Bytes, nodes: Floats, looks: Looks, shape: int, wanted: NDArray[np.bool_],
     pose: Floats, center: Floats,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled, compiled_part
 
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -111,26 +111,60 @@ def _pulled(ratios: Floats, gains: tuple[float, float, float]) -> tuple[float, f
     Every tag has a brightness of its own, all have the tint in common: log ratio = brightness of
     the tag + tint of the channel. Solved by turns, with medians.
     """
-    logs, count = np.log(ratios), len(ratios)
-    own, tint = np.full(count, np.nan), np.zeros(3)
-    for channel in range(3):
-        logs[:, :, channel] -= np.log(gains[channel])
+    count, parts = ratios.shape[0], ratios.shape[1]
+    own, tint, pool = np.zeros(count), np.zeros(3), np.empty(count * parts + 1)
     for _ in range(_TURNS):
         for n in range(count):
-            own[n] = np.nanmean(logs[n] - tint)
+            own[n] = _brightness(ratios[n], gains, tint)
         for channel in range(3):
-            off = np.nanmedian(logs[:, :, channel] - own.reshape(-1, 1))
-            tint[channel] = off if np.isfinite(off) else 0.0
-        tint -= tint.mean()
-    brightness = np.nanmedian(own) if count else np.nan
-    if not np.isfinite(brightness):
+            many = 0
+            for n in range(count):
+                for k in range(parts):
+                    pool[many] = np.log(ratios[n, k, channel] / gains[channel]) - own[n]
+                    many += pool[many] == pool[many]
+            tint[channel] = _median(pool, many)
+        mean = (tint[0] + tint[1] + tint[2]) / 3.0
+        for channel in range(3):
+            tint[channel] -= mean
+    many = 0
+    for n in range(count):
+        pool[many] = own[n]
+        many += own[n] == own[n]
+    if many == 0:
         return gains
+    brightness = _median(pool, many)
     beyond = brightness - min(max(brightness, _BAND[0]), _BAND[1])
     for channel in range(3):
         off = tint[channel] - min(max(tint[channel], -_TINT), _TINT)
         log = np.log(gains[channel]) + _RATE * (beyond + off)
         tint[channel] = np.exp(min(max(log, -_MOST), _MOST))
     return tint[0], tint[1], tint[2]
+
+
+@compiled_part
+def _brightness(ratios: Floats, gains: tuple[float, float, float], tint: Floats) -> float:
+    """Mean log ratio (K, 3) of a tag without the tint, nan if nothing can be said."""
+    total, telling = 0.0, 0
+    for k in range(len(ratios)):
+        for channel in range(3):
+            off = np.log(ratios[k, channel] / gains[channel]) - tint[channel]
+            if off == off:
+                total, telling = total + off, telling + 1
+    return total / telling if telling else np.nan
+
+
+@compiled_part
+def _median(pool: Floats, count: int) -> float:
+    """Median of the first elements, 0 if there are none; sorts them."""
+    for n in range(1, count):
+        value, place = pool[n], n
+        while place > 0 and pool[place - 1] > value:
+            pool[place] = pool[place - 1]
+            place -= 1
+        pool[place] = value
+    if count == 0:
+        return 0.0
+    return float(0.5 * (pool[count // 2] + pool[(count - 1) // 2]))
 
 
 @compiled
@@ -140,7 +174,8 @@ def _sample(image: Bytes, view: Bytes) -> None:
         y = (2 * row + 1) * image.shape[0] // (2 * _LATTICE[1])
         for column in range(_LATTICE[0]):
             x = (2 * column + 1) * image.shape[1] // (2 * _LATTICE[0])
-            view[row * _LATTICE[0] + column] = image[y, x]
+            for channel in range(3):
+                view[row * _LATTICE[0] + column, channel] = image[y, x, channel]
 
 
 def _made(gains: Floats, view: Bytes | None) -> Light:

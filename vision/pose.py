@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled, compiled_part
 from vision.elimination import (
     COVERS,
     WEIGHT,
@@ -56,12 +56,19 @@ class Fit:
 
 
 class _Room(NamedTuple):
-    """Memory to work in: floor points of samples and their values, tables, unknowns a (3, M)."""
+    """Memory to work in: floor points of samples, their values and tables, for each plane; unknowns
+    a (3, M) and their normal matrices (3, M, M); the pose's normal equations (2, 3, 3) and
+    gradients (4, 3); numbers of samples.
+    """
 
     places: Singles
     values: Singles
     tables: Singles
     bright: Floats
+    inner: Floats
+    normal: Floats
+    gradient: Floats
+    counts: Indices
 
 
 class _Spot(NamedTuple):
@@ -93,24 +100,29 @@ def fit_poses(
         start.copy(), np.empty((count, 3, 3)), np.empty(count), np.empty((count, parts + 1, 3))
     )
     _fit_all(
-        image, gauge, shapes, centers.copy(), steps,
+        image, gauge, shapes, centers.copy(), steps, _room(gauge, parts),
         fit.poses, fit.covariances, fit.residual_px, fit.colors,
     )  # fmt: skip
     return fit
 
 
+def _room(gauge: Gauge, parts: int) -> _Room:
+    """Memory for the largest tag."""
+    most = min(int(3.2 * (gauge.radius + 2) ** 2), _MOST_SAMPLES)
+    return _Room(
+        np.empty((2, 2, most), np.float32), np.empty((2, 3, most), np.float32),
+        np.empty((2, COVERS + 3 * parts + 3 + 4, most), np.float32), np.empty((3, parts + 1)),
+        np.empty((3, parts + 1, parts + 1)), np.empty((2, 3, 3)), np.empty((4, 3)),
+        np.zeros(2, np.intp),
+    )  # fmt: skip
+
+
 @compiled
 def _fit_all(
-    image: Bytes, g: Gauge, shapes: Indices, centers: Floats, steps: int,
+    image: Bytes, g: Gauge, shapes: Indices, centers: Floats, steps: int, room: _Room,
     poses: Floats, covariances: Floats, residual_px: Floats, colors: Floats,
 ) -> None:  # fmt: skip
     """Fit tag after tag; poses: start, and outcome."""
-    parts = g.pixels.cells.shape[5]
-    most = min(int(3.2 * (g.radius + 2) ** 2), _MOST_SAMPLES)
-    room = _Room(
-        np.empty((2, 2, most), np.float32), np.empty((2, 3, most), np.float32),
-        np.empty((2, COVERS + 3 * parts + 3 + 4, most), np.float32), np.empty((3, parts + 1)),
-    )  # fmt: skip
     for n in range(len(poses)):
         residual_px[n] = _fit_one(
             image, g, shapes[n], centers[n], steps, room, poses[n], covariances[n]
@@ -118,7 +130,7 @@ def _fit_all(
         _to_colors(room.bright, len(g.pixels.noise) == 3, colors[n])
 
 
-@compiled
+@compiled_part
 def _fit_one(
     image: Bytes, g: Gauge, shape: int, center: Floats, steps: int, room: _Room,
     pose: Floats, covariance: Floats,
@@ -128,18 +140,18 @@ def _fit_one(
     level = g.level[
         _within(center[1] / PITCH + 0.5, rows), _within(center[0] / PITCH + 0.5, columns)
     ]
-    scale, turns, counts = g.scales[level], g.pixels.cells.shape[2], np.zeros(2, np.intp)
-    normal, gradient, delta = np.empty((3, 3)), np.empty(3), np.zeros(3)
-    origin, tilt, away, sums = pose.copy(), 0.0, np.inf, (0.0, 0.0, 1.0)
+    scale, turns = g.scales[level], g.pixels.cells.shape[2]
+    gradient, delta, local = room.gradient[0], room.gradient[1], room.gradient[2]
+    x, y, tilt, away, sums = pose[0], pose[1], 0.0, np.inf, (0.0, 0.0, 1.0)
     for _ in range(steps):
         if away * scale > _ASTRAY_PX:
-            tilt = _follow(g.nodes, origin, pose, center)
-            origin[:], away = pose, 0.0
-            _collect(image, g, _Spot(level, shape, 0), pose, center, room, counts)
+            tilt = _follow(g.nodes, pose[0] - x, pose[1] - y, center)
+            x, y, away = pose[0], pose[1], 0.0
+            _collect(image, g, _Spot(level, shape, 0), pose, center, room)
         turn = int(np.floor((pose[2] - tilt) * (2.0 * turns / np.pi) + 0.5)) % turns
-        local = np.array((pose[0] - origin[0], pose[1] - origin[1], pose[2]))
-        sums = _linearise(g, _Spot(level, shape, turn), local, room, counts, normal, gradient)
-        invert(normal, covariance)
+        local[0], local[1], local[2] = pose[0] - x, pose[1] - y, pose[2]
+        sums = _linearise(g, _Spot(level, shape, turn), local, room)
+        invert(room.normal[0], covariance)
         length = _step(covariance, gradient, g.arm, pose, delta)
         away += length
         if length * scale < _SETTLED_PX:
@@ -150,94 +162,93 @@ def _fit_one(
     return float(np.sqrt(max(misfit - gain, _LEAST * misfit) / max(slope, 1e-9)) * scale)
 
 
-@compiled
+@compiled_part
 def _within(position: float, count: int) -> int:
     """Index of a position on an axis, clipped to it."""
     return int(min(max(position, 0.0), count - 1.0))
 
 
-@compiled
-def _follow(nodes: Floats, before: Floats, pose: Floats, center: Floats) -> float:
+@compiled_part
+def _follow(nodes: Floats, dx: float, dy: float, center: Floats) -> float:
     """Move a tag's centre in the image as its pose moved; returns the rows' direction there."""
     a, b, c, d = pixel_slopes(nodes, center[0], center[1])
-    dx, dy = pose[0] - before[0], pose[1] - before[1]
     center[0] += a * dx + b * dy
     center[1] += c * dx + d * dy
     return float(np.arctan2(-c, d))  # one column is (d, -c) / (a d - b c) on the floor
 
 
-@compiled
+@compiled_part
 def _collect(
-    image: Bytes, g: Gauge, spot: _Spot, pose: Floats, center: Floats, room: _Room, counts: Indices
+    image: Bytes, g: Gauge, spot: _Spot, pose: Floats, center: Floats, room: _Room
 ) -> None:
     """Collect the samples around a pose."""
     x, y = _within(center[0] + 0.5, image.shape[1]), _within(center[1] + 0.5, image.shape[0])
-    window, channels = Window(x, y, g.radius), len(g.pixels.noise)
-    usage = _usage(g.pixels, spot)
-    places, values = room.places[0], room.values[0, :channels]
-    counts[0] = collect_pixels(image, g.nodes, usage, pose, window, places, values)
-    if channels == 1:
-        usage = _usage(g.colors, spot)
-        places, values = room.places[1], room.values[1, :2]
-        counts[1] = collect_colors(
-            image, g.nodes, usage, g.offset, g.mix_rows, pose, window, places, values
-        )
+    window, separate = Window(x, y, g.radius), len(g.pixels.noise) == 3
+    room.counts[0] = collect_pixels(
+        image, g.nodes, _usage(g.pixels, spot), separate, pose, window,
+        room.places[0], room.values[0],
+    )  # fmt: skip
+    if not separate:
+        room.counts[1] = collect_colors(
+            image, g.nodes, _usage(g.colors, spot), g.offset, g.mix_rows, pose, window,
+            room.places[1], room.values[1],
+        )  # fmt: skip
 
 
-@compiled
+@compiled_part
 def _usage(plane: Plane, spot: _Spot) -> Usage:
     """Which samples of a tag are used."""
     level, shape = spot.level, spot.shape
-    return Usage(plane.usage[level, shape], plane.shares[level, shape], plane.cell)
+    step = plane.row_steps[level, shape]
+    return Usage(plane.usage[level, shape], plane.shares[level, shape], step, plane.cell)
 
 
-@compiled
-def _linearise(
-    g: Gauge, spot: _Spot, local: Floats, room: _Room, counts: Indices,
-    normal: Floats, gradient: Floats,
-) -> tuple[float, float, float]:  # fmt: skip
+@compiled_part
+def _linearise(g: Gauge, spot: _Spot, local: Floats, room: _Room) -> tuple[float, float, float]:
     """Set up the normal equations at a pose; returns misfit, slope [1/m^2] and freedom."""
-    normal[:], gradient[:] = 0.0, 0.0
-    normal[0, 0] = normal[1, 1] = _STIFFNESS_M**-2
-    normal[2, 2] = _STIFFNESS_RAD**-2
-    misfit, slope, freedom = _add(g.pixels, spot, 0, local, room, counts, normal, gradient)
+    normal, gradient = room.normal[0], room.gradient[0]
+    for j in range(3):
+        gradient[j] = 0.0
+        for k in range(3):
+            normal[j, k] = 0.0
+        normal[j, j] = (_STIFFNESS_M if j < 2 else _STIFFNESS_RAD) ** -2
+    misfit, slope, freedom = _add(g.pixels, spot, local, room)
     if len(g.pixels.noise) == 1:
-        more = _add(g.colors, spot, 1, local, room, counts, normal, gradient)
+        more = _add(g.colors, spot, local, room)
         misfit, slope, freedom = misfit + more[0], slope + more[1], freedom + more[2]
     return misfit, slope, freedom
 
 
-@compiled
-def _add(
-    plane: Plane, spot: _Spot, first: int, local: Floats, room: _Room, counts: Indices,
-    normal: Floats, gradient: Floats,
-) -> tuple[float, float, float]:  # fmt: skip
+@compiled_part
+def _add(plane: Plane, spot: _Spot, local: Floats, room: _Room) -> tuple[float, float, float]:
     """Add the samples of a plane to the normal equations; returns misfit, slope and freedom."""
     cells, channels = plane.cells[spot.level, spot.shape, spot.turn], len(plane.noise)
-    table, count, parts = room.tables[first], counts[first], cells.shape[2]
-    values, bright = room.values[first, :channels], room.bright[first : first + channels]
-    look_up(cells, plane.cell, local, room.places[first], values, plane.noise, count, table)
-    inverse, own, pull = np.empty((parts + 1, parts + 1)), np.empty((3, 3)), np.empty(3)
-    solve_brightness(table, count, parts, channels, inverse, bright)
+    first, parts = plane.index, cells.shape[2]
+    table, count = room.tables[first], room.counts[first]
+    inverse, own, pull = room.inner[0], room.normal[1], room.gradient[3]
+    look_up(
+        cells, plane.cell, local, room.places[first], room.values[first], plane.noise, count, table
+    )
+    solve_brightness(table, count, parts, channels, room.inner, room.bright[first:])
     weights = dot(table[WEIGHT], table[WEIGHT], count)
     free = (_PRIOR_WEIGHT + max(weights - parts - 1, 1.0)) * plane.independence
-    unit = np.array((1.0 / plane.cell, 1.0 / plane.cell, 1.0))
-    misfit, slope = 0.0, 0.0
+    misfit, slope, cell = 0.0, 0.0, plane.cell
     for channel in range(channels):
         squares, steep = accumulate(
-            table, count, parts, channel, inverse, bright[channel], own, pull
+            table, count, parts, channel, inverse, room.bright[first + channel], own, pull
         )
         precision = free / (_PRIOR_WEIGHT * plane.noise[channel] ** 2 + squares)
         for j in range(3):
-            gradient[j] += precision * unit[j] * pull[j]
+            share = precision * (1.0 / cell if j < 2 else 1.0)
+            room.gradient[0, j] += share * pull[j]
             for k in range(3):
-                normal[j, k] += precision * unit[j] * unit[k] * own[j, k]
+                room.normal[0, j, k] += share * (1.0 / cell if k < 2 else 1.0) * own[j, k]
         misfit += precision * squares
-        slope += precision * steep * unit[0] ** 2
+        slope += precision * steep / cell**2
     return misfit, slope, free * channels
 
 
-@compiled
+@compiled_part
 def _step(inverse: Floats, gradient: Floats, arm: float, pose: Floats, delta: Floats) -> float:
     """Move a pose by a Gauss-Newton step, at most `_STEP` arms; returns its full length [m]."""
     for j in range(3):
@@ -253,23 +264,21 @@ def _step(inverse: Floats, gradient: Floats, arm: float, pose: Floats, delta: Fl
     return length
 
 
-@compiled
+@compiled_part
 def _turn(covariance: Floats, heading: float, scale: float) -> None:
     """Turn a covariance from the tag's frame to the floor's, and scale it."""
-    rotation, turned = np.zeros((3, 3)), np.zeros((3, 3))
-    rotation[0, 0] = rotation[1, 1] = np.cos(heading)
-    rotation[1, 0] = np.sin(heading)
-    rotation[0, 1] = -rotation[1, 0]
-    rotation[2, 2] = 1.0
-    for i in range(3):
-        for j in range(3):
-            for p in range(3):
-                for q in range(3):
-                    turned[i, j] += rotation[i, p] * covariance[p, q] * rotation[j, q]
-    covariance[:] = scale * turned
+    c, s = np.cos(heading), np.sin(heading)
+    xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
+    xt, yt = covariance[0, 2], covariance[1, 2]
+    covariance[0, 0] = scale * (c * c * xx - 2.0 * c * s * xy + s * s * yy)
+    covariance[1, 1] = scale * (s * s * xx + 2.0 * c * s * xy + c * c * yy)
+    covariance[0, 1] = covariance[1, 0] = scale * (c * s * (xx - yy) + (c * c - s * s) * xy)
+    covariance[0, 2] = covariance[2, 0] = scale * (c * xt - s * yt)
+    covariance[1, 2] = covariance[2, 1] = scale * (s * xt + c * yt)
+    covariance[2, 2] *= scale
 
 
-@compiled
+@compiled_part
 def _to_colors(bright: Floats, separate: bool, colors: Floats) -> None:
     """Colours (K + 1, 3) of the parts and the floor, from brightnesses (3, K + 1), floor first."""
     parts = len(colors) - 1

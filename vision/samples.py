@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled_part
 from vision.floor_map import PITCH, floor_at
 
 Floats = NDArray[np.float64]
@@ -23,11 +23,13 @@ class Usage(NamedTuple):
     Attributes:
         kinds: shape (n, n), what a sample at a place of the tag's frame tells, see `Templates`.
         shares: shape (3,), of the samples of every kind this share is used, of 2^32.
+        row_step: every so many-th row of samples is looked at.
         cell: side of a place [m].
     """
 
     kinds: Bytes
     shares: Shares
+    row_step: int
     cell: float
 
 
@@ -45,9 +47,9 @@ class Window(NamedTuple):
     radius: int
 
 
-@compiled
+@compiled_part
 def collect_pixels(
-    image: Bytes, nodes: Floats, usage: Usage, pose: Floats, window: Window,
+    image: Bytes, nodes: Floats, usage: Usage, separate: bool, pose: Floats, window: Window,
     places: Singles, values: Singles,
 ) -> int:  # fmt: skip
     """Collect the pixels around a tag.
@@ -56,20 +58,21 @@ def collect_pixels(
         image: shape (H, W, 3), BGR.
         nodes: of the floor map.
         usage: which samples are used.
+        separate: whether to give B, G and R, or else the luma.
         pose: shape (3,), where the tag is looked for [m, m, rad].
         window: where samples are looked for.
         places: shape (2, N), receives the samples' floor points relative to the pose [m].
-        values: shape (3, N) or (1, N), receives B, G and R, or the luma.
+        values: shape (3, N), receives B, G and R, or in its first row the luma.
 
     Returns:
         Number of samples.
     """
-    count, separate, size = 0, values.shape[0] == 3, float(usage.kinds.shape[0])
+    count, size = 0, float(usage.kinds.shape[0])
     kinds, shares, middle = usage.kinds, usage.shares, usage.kinds.shape[0] // 2 + 0.5
     c, s = np.cos(pose[2]) / usage.cell, np.sin(pose[2]) / usage.cell
-    for y in range(
-        max(window.y - window.radius, 0), min(window.y + window.radius + 1, image.shape[0])
-    ):
+    step = usage.row_step
+    first, last = window.y - window.radius, min(window.y + window.radius + 1, image.shape[0])
+    for y in range((max(first, 0) + step - 1) // step * step, last, step):
         reach = int(np.sqrt(window.radius**2 - (y - window.y) ** 2))
         start, end = max(window.x - reach, 0), min(window.x + reach + 1, image.shape[1])
         while start < end:
@@ -99,7 +102,7 @@ def collect_pixels(
     return count
 
 
-@compiled
+@compiled_part
 def collect_colors(
     image: Bytes, nodes: Floats, usage: Usage, offset: Floats, mix_rows: bool,
     pose: Floats, window: Window, places: Singles, values: Singles,
@@ -115,7 +118,7 @@ def collect_colors(
         pose: shape (3,), where the tag is looked for [m, m, rad].
         window: where samples are looked for.
         places: shape (2, N), receives the samples' floor points relative to the pose [m].
-        values: shape (2, N), receives the blue and the red chroma.
+        values: shape (3, N), receives in its first rows the blue and the red chroma.
 
     Returns:
         Number of samples.
@@ -125,7 +128,8 @@ def collect_colors(
     c, s = np.cos(pose[2]) / usage.cell, np.sin(pose[2]) / usage.cell
     last_x, last_y = image.shape[1] // 2 * 2 - 2, image.shape[0] // 2 * 2 - 2
     radius = window.radius + 1
-    for y in range(max(window.y - radius, 0) // 2 * 2, min(window.y + radius, last_y) + 1, 2):
+    first, step = max(window.y - radius, 0), 2 * usage.row_step
+    for y in range(first // step * step, min(window.y + radius, last_y) + 1, step):
         reach = int(np.sqrt(max(radius**2 - (y - window.y) ** 2, 0)))
         for x in range(max(window.x - reach, 0) // 2 * 2, min(window.x + reach, last_x) + 1, 2):
             dx, dy = floor_at(nodes, x + 0.5 - offset[0], y + 0.5 - offset[1])
@@ -147,13 +151,13 @@ def collect_colors(
     return count
 
 
-@compiled
+@compiled_part
 def _chance(x: int, y: int) -> int:
     """A number below 2^32 - 1 that depends on the pixel, evenly spread over any neighbourhood."""
     return int((np.uint32(x) * _SPREAD_X + np.uint32(y) * _SPREAD_Y) % _BITS)
 
 
-@compiled
+@compiled_part
 def _chroma_mean(image: Bytes, x: int, y: int) -> tuple[float, float]:
     """Blue and red chroma of the pixels (x, y) to (x + 1, y + 1), BT.601."""
     blue, green, red = 0, 0, 0

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled, compiled_part
 
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -92,7 +92,7 @@ def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes
     return _compact(parent, sums, kinds, count)
 
 
-@compiled
+@compiled_part
 def _joined(parent: NDArray[np.int32], one: int, other: int) -> int:
     """Make one region of two; returns its label."""
     one = _root(parent, one)
@@ -101,7 +101,7 @@ def _joined(parent: NDArray[np.int32], one: int, other: int) -> int:
     return first
 
 
-@compiled
+@compiled_part
 def _root(parent: NDArray[np.int32], label: int) -> int:
     """Smallest label of a region; shortens the way to it."""
     root = label
@@ -112,16 +112,19 @@ def _root(parent: NDArray[np.int32], label: int) -> int:
     return root
 
 
-@compiled
+@compiled_part
 def _compact(parent: NDArray[np.int32], sums: Floats, kinds: Bytes, count: int) -> int:
     """Add up what belongs to one region and close the gaps; returns the number of regions."""
     for label in range(count):
         root = _root(parent, label)
         if root != label:
-            sums[root] += sums[label]
+            for j in range(3):
+                sums[root, j] += sums[label, j]
     regions = 0
     for label in range(count):
         if parent[label] == label:
-            sums[regions], kinds[regions] = sums[label], kinds[label]
+            kinds[regions] = kinds[label]
+            for j in range(3):
+                sums[regions, j] = sums[label, j]
             regions += 1
     return regions

@@ -28,7 +28,7 @@ _MARGIN_PX = 3.0  # of a template around the tag; of colour, 2 samples
 _LEAST_BLUR_PX = 0.25  # a sharper lens cannot be sampled
 _EDGE = 0.04  # change of a coverage from one sample to the next that tells something of the pose
 _RING = 2  # samples around the tag that show the floor
-_MOST_PIXELS, _MOST_COLORS = (200.0, 900.0), (100.0, 450.0)  # used elsewhere, and at edges
+_MOST_PIXELS, _MOST_COLORS = (150.0, 720.0), (80.0, 300.0)  # used elsewhere, and at edges
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +40,16 @@ class Templates:
             heading on the screen, y (left) and x (forward), read-only.
         usage: shape (L, shapes, n, n), what a sample at a place of the tag's frame tells: 0
             nothing, 1 the brightness of a part, 2 also the pose, read-only.
-        shares: shape (L, shapes, 3), of the samples of each usage this share is used, of 2^32 - 1,
-            read-only.
+        shares: shape (L, shapes, 3), of the samples of each usage in the rows looked at this share
+            is used, of 2^32 - 1, read-only.
+        row_steps: shape (L, shapes), every so many-th row is looked at, read-only.
         cell: side of a cell [m].
     """
 
     cells: Singles
     usage: Bytes
     shares: NDArray[np.uint32]
+    row_steps: NDArray[np.intp]
     cell: float
 
 
@@ -81,10 +83,12 @@ def make_templates(
                 cells[level, shape, turn, :, :, : len(images)] = np.moveaxis(images, 0, -1)
     usage = np.array([[_usage(shape[0], sample / cell) for shape in level] for level in cells])
     most = _MOST_PIXELS if sample_px == 1 else _MOST_COLORS
-    shares = np.array([[_shares(u, sample / cell, most) for u in level] for level in usage])
-    for array in (cells, usage, shares):
+    parts_used = np.array([[_shares(u, sample / cell, most) for u in level] for level in usage])
+    row_steps = np.maximum((1.0 / parts_used.max(axis=2)).astype(np.intp), 1)
+    shares = (0xFFFFFFFF * np.minimum(parts_used * row_steps[..., None], 1.0)).astype(np.uint32)
+    for array in (cells, usage, shares, row_steps):
         array.flags.writeable = False
-    return Templates(cells, usage, shares, cell)
+    return Templates(cells, usage, shares, row_steps, cell)
 
 
 def sample_points(templates: Templates, shape: int, part: int, count: int) -> Floats:
@@ -168,8 +172,7 @@ def _usage(cells: Singles, step: float) -> Bytes:
     return np.where(change > _EDGE, 2 * (near > 0), near > 0).astype(np.uint8)
 
 
-def _shares(usage: Bytes, step: float, most: tuple[float, float]) -> NDArray[np.uint32]:
-    """How samples are thinned out where there are many, of 2^32 - 1."""
-    counts = [max(np.count_nonzero(usage == kind) / step**2, 1.0) for kind in (1, 2)]
-    shares = [min(limit / count, 1.0) for limit, count in zip(most, counts, strict=True)]
-    return np.array([0.0, *(0xFFFFFFFF * share for share in shares)]).astype(np.uint32)
+def _shares(usage: Bytes, step: float, most: tuple[float, float]) -> tuple[float, float, float]:
+    """Share of the samples of each usage that is used: many are thinned out."""
+    flat, edges = (max(np.count_nonzero(usage == kind) / step**2, 1.0) for kind in (1, 2))
+    return 0.0, min(most[0] / flat, 1.0), min(most[1] / edges, 1.0)
