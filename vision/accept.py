@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _BORDER_PX = 0.25  # a tag may reach so far beyond the image
+_VAGUE = 0.3  # a place known to this share of the radius only is none: nothing is seen there
 _APART = 0.85  # plates nearer than this share of their width are two readings of one place
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
 
@@ -37,6 +38,7 @@ class Verdict:
         moved: shape (N,), way of the fit from where it began [m].
         overhang: shape (N,), how far the plate reaches beyond the image [px].
         screen: shape (N, 3), where they are in the image [px, px, rad].
+        hidden: shape (N,), share that is covered of tags that are refused for it, else 0.
     """
 
     scores: Floats
@@ -45,6 +47,17 @@ class Verdict:
     moved: Floats
     overhang: Floats
     screen: Floats
+    hidden: Floats
+
+    def refuse_covered(self, chosen: Indices, hidden: Floats) -> None:
+        """Refuse candidates of which too much is covered.
+
+        Args:
+            chosen: shape (R,), their indices.
+            hidden: shape (R,), share of each that is covered.
+        """
+        self.hidden[chosen] = hidden
+        self.good[chosen] = self.sound[chosen] = False
 
 
 def judge(
@@ -72,7 +85,7 @@ def judge(
     limits, count = eye.thresholds, len(fit.poses)
     verdict = Verdict(
         np.zeros(possible.shape), np.empty(count, np.bool_), np.empty(count, np.bool_),
-        np.empty(count), np.empty(count), np.empty((count, 3)),
+        np.empty(count), np.empty(count), np.empty((count, 3)), np.zeros(count),
     )  # fmt: skip
     score_colors(
         fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
@@ -83,7 +96,7 @@ def judge(
         eye.camera.size_px, verdict.screen, verdict.overhang,
     )  # fmt: skip
     _compare(
-        fit.poses, candidates.poses, fit.residual_px, verdict.overhang, verdict.scores, eye.radius,
+        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang, verdict.scores, eye.radius,
         limits.residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
@@ -173,7 +186,7 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
 
 @compiled
 def _compare(
-    poses: Floats, starts: Floats, residual_px: Floats, overhang: Floats, scores: Floats,
+    poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats, scores: Floats,
     radius: float, most_px: float, confidence: float,
     moved: Floats, sound: NDArray[np.bool_], good: NDArray[np.bool_],
 ) -> None:  # fmt: skip
@@ -181,7 +194,8 @@ def _compare(
     for n in range(len(poses)):
         moved[n] = np.hypot(poses[n, 0] - starts[n, 0], poses[n, 1] - starts[n, 1])
         near = overhang[n] <= _BORDER_PX and moved[n] < radius
-        sound[n] = near and residual_px[n] < most_px
+        told = covariances[n, 0, 0] + covariances[n, 1, 1] < (_VAGUE * radius) ** 2
+        sound[n] = near and told and residual_px[n] < most_px
         good[n] = sound[n] and scores[n].max() >= confidence
 
 
@@ -215,10 +229,14 @@ def _why_not(
     limits = eye.thresholds
     if verdict.overhang[n] > _BORDER_PX:
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
+    if verdict.hidden[n] > 0.0:
+        return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
     if not fit.residual_px[n] < limits.residual_px:
         return f"misfit of {fit.residual_px[n]:.2f} px, limit {limits.residual_px:.2f} px"
+    if not verdict.sound[n]:
+        return "nothing to be seen here that tells where the tag is"
     if not verdict.good[n]:
         return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
     tag = int(verdict.scores[n].argmax())

@@ -7,18 +7,21 @@ from numpy.typing import NDArray
 
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
+from vision.covered import DOUBTFUL_PX, fit_uncovered
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
 from vision.identity import Expectation, Prediction, expect, with_doubts
 from vision.light import PALETTE_LIGHT, Light, relit, taught, watched
-from vision.pose import fit_poses
+from vision.pose import Fit, fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
 
 __all__ = ["Prediction", "locate"]
 
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SLACK = 3.0  # in the light on robots that are where they are expected
@@ -55,8 +58,8 @@ def locate(
     missing = _missing(found, eye)
     if missing.any():
         known = known or expect(eye.tags, predictions)
-        more, rejected = _search(frame, eye, missing, found, known, light)
-        found += more
+        more, reasons = _search(frame, eye, missing, found, known, light)
+        found, rejected = found + more, rejected + reasons
     if known is not None and eye.tags.look_alikes:
         found = with_doubts(found, eye.tags, known)
     if not found and not predictions:
@@ -82,9 +85,18 @@ def _follow(
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in known])
     centers = eye.camera.tag_pixels(poses)
     start = Candidates(eye.looks.shape_of[tags], poses, centers, np.ones(len(known)))
-    possible = tags[:, None] == np.arange(len(eye.tags.tags))
+    alike = np.array(eye.tags.alike)
+    possible = alike[tags][:, None] == alike
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
+    lately = np.array([p.reach == 0.0 for p in known])
+    doubtful = np.flatnonzero(lately & ~(verdict.good & (fit.residual_px < DOUBTFUL_PX)))
+    if len(doubtful):
+        seen = fit_uncovered(frame.image, eye, start.shapes[doubtful], poses[doubtful])
+        plain = seen.plain
+        _replace(fit, doubtful[plain], seen.fit, plain)
+        verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
+        verdict.refuse_covered(doubtful[~plain], seen.hidden[~plain])
     chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
@@ -110,12 +122,27 @@ def _search(
         frame.image, eye.gauge, candidates.shapes, candidates.poses, candidates.centers, _STEPS
     )
     verdict = judge(fit, candidates, eye, possible, light.gains)
+    tracked = known.places[missing & (known.reach == 0.0)]
+    veiled = _near(fit.poses, tracked, eye.radius) & (fit.residual_px > DOUBTFUL_PX)
+    verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
     chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
     return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 
 _NOWHERE = np.zeros((0, 2))
+
+
+def _replace(fit: Fit, chosen: Indices, other: Fit, rows: Flags) -> None:
+    """Put rows of another fit in the place of some."""
+    fit.poses[chosen], fit.covariances[chosen] = other.poses[rows], other.covariances[rows]
+    fit.residual_px[chosen], fit.colors[chosen] = other.residual_px[rows], other.colors[rows]
+
+
+def _near(poses: Floats, places: Floats, reach: float) -> Flags:
+    """Which poses (N, 3) are near one of some places (M, 2), shape (N,)."""
+    away = np.hypot(*(poses[:, None, :2] - places).transpose(2, 0, 1))
+    return np.asarray(away.min(axis=1, initial=np.inf) < reach)
 
 
 def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:
