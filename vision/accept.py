@@ -39,6 +39,7 @@ class Verdict:
         overhang: shape (N,), how far the plate reaches beyond the image [px].
         screen: shape (N, 3), where they are in the image [px, px, rad].
         hidden: shape (N,), share that is covered of tags that are refused for it, else 0.
+        twice: shape (N,), index of the tag of a robot already found that they look like, else -1.
     """
 
     scores: Floats
@@ -48,6 +49,7 @@ class Verdict:
     overhang: Floats
     screen: Floats
     hidden: Floats
+    twice: Indices
 
     def refuse_covered(self, chosen: Indices, hidden: Floats) -> None:
         """Refuse candidates of which too much is covered.
@@ -86,6 +88,7 @@ def judge(
     verdict = Verdict(
         np.zeros(possible.shape), np.empty(count, np.bool_), np.empty(count, np.bool_),
         np.empty(count), np.empty(count), np.empty((count, 3)), np.zeros(count),
+        np.full(count, -1),
     )  # fmt: skip
     score_colors(
         fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
@@ -231,6 +234,8 @@ def _why_not(
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
     if verdict.hidden[n] > 0.0:
         return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
+    if verdict.twice[n] >= 0:
+        return f"looks like robot {eye.tags.ids[verdict.twice[n]]}, which is seen elsewhere"
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
     if not fit.residual_px[n] < limits.residual_px:

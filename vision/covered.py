@@ -25,17 +25,17 @@ Flags = NDArray[np.bool_]
 DOUBTFUL_PX = 0.25
 """Misfit of a tracked tag beyond which something may lie on it; clean tags have 0.1."""
 
-MOST = 0.7
-"""Share of a tag's pixels that may be left out while it is followed; coarse colour fringes count."""
+MOST = 0.65
+"""Share of a tag's pixels left out while it is followed, at most; fringes of coarse colour count."""
 
-_BEST_PX = 0.35  # misfit of what is left of a tag that is followed
+_BEST_PX = 0.25  # misfit of what is left of a tag that is followed
 
 _SLACKS = (0.003, 0.002, 0.0015)  # of the pose, from one fit to the next [m]
 _STEPS = 8
 _CORE, _ON_TAG, _OFF_TAG = 0.8, 0.05, 0.01  # coverage: for a part's colour; of the tag; of floor
 _NOISES = 4.0  # a pixel may differ by so many standard deviations
 _SHADE = 0.15  # and by this share of its brightness
-_BIAS = (0.004, 0.12)  # what a hidden tag's pose may be off, per share hidden [m], [rad]
+_BIAS = (0.006, 0.2)  # what a hidden tag's pose may be off, per share hidden [m], [rad]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ def fit_uncovered(image: Bytes, eye: Eye, shapes: Indices, start: Floats) -> Unc
 
 
 @compiled
-def _clear(
+def _clear(  # noqa: C901 (one pass over the pixels of a window; calls cost more than they tell)
     image: Bytes, cleared: Bytes, g: Gauge, shape: int, pose: Floats, center: Floats, slack: float
 ) -> float:
     """Replace what a tag cannot show; returns the share of its samples."""

@@ -22,6 +22,7 @@ Flags = NDArray[np.bool_]
 
 _FINEST = 0.005  # spread of the best prediction [m]
 _UNKNOWN = 10.0  # spread of a robot that is expected nowhere [m]
+_FITTING = 0.5  # of a candidate's best score, for the tag that pairing gives it
 _SLACK = 0.05  # error of a prediction, at most [m]
 
 
@@ -101,7 +102,9 @@ def tell_apart(
         known: where the robots are expected.
     """
     claimed = alike[scores.argmax(axis=1)]
-    claimed[tags >= 0] = alike[tags[tags >= 0]]
+    given = np.flatnonzero(tags >= 0)  # not all fit: pairing leaves nobody out
+    given = given[scores[given, tags[given]] > _FITTING * scores[given].max(axis=1)]
+    claimed[given] = alike[tags[given]]
     for first in np.unique(claimed[claims]):
         rivals = np.flatnonzero(claims & (claimed == first))
         members = np.flatnonzero((alike == first) & (scores[rivals] > 0.0).any(axis=0))

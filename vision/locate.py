@@ -114,7 +114,7 @@ def _search(
     classes = eye.palette.classify(frame.image, light)
     blobs = find_blobs(classes, eye.min_blob_px, eye.thresholds.max_blobs)
     blobs = _unexplained(blobs, found, eye)
-    candidates, rejected = propose(blobs, classes, eye, missing)
+    candidates, rejected = propose(blobs, classes, eye, np.ones_like(missing))
     if len(candidates) == 0:
         return (), rejected
     possible = np.tile(missing, (len(candidates), 1))
@@ -122,6 +122,10 @@ def _search(
         frame.image, eye.gauge, candidates.shapes, candidates.poses, candidates.centers, _STEPS
     )
     verdict = judge(fit, candidates, eye, possible, light.gains)
+    if found:
+        anybody = judge(fit, candidates, eye, np.ones_like(possible), light.gains)
+        twice = np.flatnonzero(anybody.good & ~verdict.good)
+        verdict.twice[twice] = anybody.scores[twice].argmax(axis=1)
     tracked = known.places[missing & (known.reach == 0.0)]
     veiled = _near(fit.poses, tracked, eye.radius) & (fit.residual_px > DOUBTFUL_PX)
     verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
