@@ -99,7 +99,8 @@ def judge(
         eye.camera.size_px, verdict.screen, verdict.overhang,
     )  # fmt: skip
     _compare(
-        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang, verdict.scores, eye.radius,
+        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang,
+        verdict.scores, eye.radius,
         limits.residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
@@ -189,7 +190,8 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
 
 @compiled
 def _compare(
-    poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats, scores: Floats,
+    poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats,
+    scores: Floats,
     radius: float, most_px: float, confidence: float,
     moved: Floats, sound: NDArray[np.bool_], good: NDArray[np.bool_],
 ) -> None:  # fmt: skip
@@ -232,16 +234,12 @@ def _why_not(
     limits = eye.thresholds
     if verdict.overhang[n] > _BORDER_PX:
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
-    if verdict.hidden[n] > 0.0:
-        return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
-    if verdict.twice[n] >= 0:
-        return f"looks like robot {eye.tags.ids[verdict.twice[n]]}, which is seen elsewhere"
+    if verdict.hidden[n] > 0.0 or verdict.twice[n] >= 0:
+        return _else_why_not(verdict, eye, n)
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
-    if not fit.residual_px[n] < limits.residual_px:
-        return f"misfit of {fit.residual_px[n]:.2f} px, limit {limits.residual_px:.2f} px"
     if not verdict.sound[n]:
-        return "nothing to be seen here that tells where the tag is"
+        return _misfit(float(fit.residual_px[n]), limits.residual_px)
     if not verdict.good[n]:
         return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
     tag = int(verdict.scores[n].argmax())
@@ -250,6 +248,20 @@ def _why_not(
         f"id {eye.tags.ids[tag]} already taken by a better candidate "
         f"({best:.2f} >= {verdict.scores[n, tag]:.2f})"
     )
+
+
+def _misfit(residual_px: float, limit_px: float) -> str:
+    """Say why a fit that ended near its start is none."""
+    if residual_px < limit_px:
+        return "nothing to be seen here that tells where the tag is"
+    return f"misfit of {residual_px:.2f} px, limit {limit_px:.2f} px"
+
+
+def _else_why_not(verdict: Verdict, eye: Eye, n: int) -> str:
+    """Say what lies on a candidate, or whom it repeats."""
+    if verdict.hidden[n] > 0.0:
+        return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
+    return f"looks like robot {eye.tags.ids[verdict.twice[n]]}, which is seen elsewhere"
 
 
 def _color_reason(colors: Floats, shape: int, scores: Floats, eye: Eye) -> str:

@@ -26,13 +26,13 @@ DOUBTFUL_PX = 0.25
 """Misfit of a tracked tag beyond which something may lie on it; clean tags have 0.1."""
 
 MOST = 0.65
-"""Share of a tag's pixels left out while it is followed, at most; fringes of coarse colour count."""
+"""Share of a tag's pixels left out while it is followed, at most; coarse colours' fringes count."""
 
 _BEST_PX = 0.25  # misfit of what is left of a tag that is followed
 
 _SLACKS = (0.003, 0.002, 0.0015)  # of the pose, from one fit to the next [m]
 _STEPS = 8
-_CORE, _ON_TAG, _OFF_TAG = 0.8, 0.05, 0.01  # coverage: for a part's colour; of the tag; of floor
+_CORE, _ON_TAG = 0.8, 0.05  # coverage: for a part's colour; of the tag
 _NOISES = 4.0  # a pixel may differ by so many standard deviations
 _SHADE = 0.15  # and by this share of its brightness
 _BIAS = (0.006, 0.2)  # what a hidden tag's pose may be off, per share hidden [m], [rad]
@@ -84,7 +84,7 @@ def fit_uncovered(image: Bytes, eye: Eye, shapes: Indices, start: Floats) -> Unc
 
 
 @compiled
-def _clear(  # noqa: C901 (one pass over the pixels of a window; calls cost more than they tell)
+def _clear(
     image: Bytes, cleared: Bytes, g: Gauge, shape: int, pose: Floats, center: Floats, slack: float
 ) -> float:
     """Replace what a tag cannot show; returns the share of its samples."""
@@ -108,33 +108,40 @@ def _clear(  # noqa: C901 (one pass over the pixels of a window; calls cost more
             _covers(cells, places[n, 0], places[n, 1], covers[n])
             n += 1
     colors = _medians(image[y0:y1, x0:x1], covers)
-    noise, near = _NOISES * g.pixels.noise.max(), np.empty(parts + 1)
     on, out = 0, 0
+    model, room = np.empty(3), _NOISES * g.pixels.noise.max()
     for n in range(count):
         y, x = y0 + n // (x1 - x0), x0 + n % (x1 - x0)
-        away, model, low, high = 0.0, np.zeros(3), np.full(3, np.inf), np.full(3, -np.inf)
-        for side in range(5):
-            dx = shift * ((side == 1) - (side == 2))
-            dy = shift * ((side == 3) - (side == 4))
-            _covers(cells, places[n, 0] + dx, places[n, 1] + dy, near)
-            for channel in range(3):
-                value = 0.0
-                for k in range(parts + 1):
-                    value += near[k] * colors[k, channel]
-                if side == 0:
-                    model[channel] = value
-                low[channel], high[channel] = min(low[channel], value), max(high[channel], value)
-        for channel in range(3):
-            seen = float(image[y, x, channel])
-            room = noise + _SHADE * high[channel]
-            away = max(away, max(low[channel] - seen, seen - high[channel]) - room)
         if covers[n, parts] < 1.0 - _ON_TAG:
             on += 1
-            if away > 0.0:
+            if _strangeness(cells, places[n], shift, colors, image[y, x], model) > room:
                 out += 1
                 for channel in range(3):
                     cleared[y, x, channel] = int(min(max(model[channel] + 0.5, 0.0), 255.0))
     return out / max(on, 1)
+
+
+@compiled
+def _strangeness(
+    cells: Singles, place: Floats, shift: float, colors: Floats, seen: Bytes, model: Floats
+) -> float:
+    """How far a pixel is from all a tag shows near a place; model receives what it shows there."""
+    near, away = np.empty(len(colors)), 0.0
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for side in range(5):
+        dx, dy = shift * ((side == 1) - (side == 2)), shift * ((side == 3) - (side == 4))
+        _covers(cells, place[0] + dx, place[1] + dy, near)
+        for channel in range(3):
+            value = 0.0
+            for k in range(len(near)):
+                value += near[k] * colors[k, channel]
+            if side == 0:
+                model[channel] = value
+            low[channel], high[channel] = min(low[channel], value), max(high[channel], value)
+    for channel in range(3):
+        off = max(low[channel] - seen[channel], seen[channel] - high[channel])
+        away = max(away, off - _SHADE * high[channel])
+    return away
 
 
 @compiled

@@ -62,7 +62,7 @@ def frame_without(world: World, truth: np.ndarray, hidden: tuple[int, ...]) -> F
 
 
 def test_the_same_tag_twice_needs_the_users_word() -> None:
-    with pytest.raises(VisionError, match="robots 1 and 2 wear the same tag.*look_alikes = true"):
+    with pytest.raises(VisionError, match=r"robots 1 and 2 wear the same tag.*look_alikes = true"):
         TagSet(alike_tags().tags)
     assert alike_tags().twins_of(1) == (2,)
     assert alike_tags(4).twins_of(2) == (1, 4)
