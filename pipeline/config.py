@@ -69,6 +69,7 @@ class TagsConfig(Section):
     colors: dict[str, str] = Field(default_factory=dict)
     dictionary: str = "4x4_50"
     marker_m: Positive | None = None
+    look_alikes: bool = False
 
 
 class StartConfig(Section):
@@ -204,6 +205,7 @@ class SafetyConfig(Section):
     camera_silent_s: Positive = 0.2
     good_frames_s: NonNegative = 1.0
     give_up_s: Positive = 10.0
+    drive_ambiguous: bool = False
 
     @model_validator(mode="after")
     def _slow_before_stop(self) -> Self:

@@ -22,6 +22,7 @@ class SafetyRules:
         camera_silent: without a frame all stop after this [s].
         good_frames: frames must come steadily for this long before motion resumes [s].
         give_up: when the whole formation has stood for this long, the run ends [s].
+        drive_ambiguous: robots that may be another one with the same tag are driven, too.
     """
 
     slow_after: float = 0.2
@@ -29,6 +30,7 @@ class SafetyRules:
     camera_silent: float = 0.2
     good_frames: float = 1.0
     give_up: float = 10.0
+    drive_ambiguous: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +54,7 @@ def watch_over(
     formation: Formation,
     seen: Mapping[RobotId, float],
     tick: Tick,
+    ambiguous: frozenset[RobotId] = frozenset(),
 ) -> tuple[GuardMemory, Mapping[RobotId, float], tuple[SafetyEvent, ...]]:
     """Decide for every robot which share of its commanded speed it may drive.
 
@@ -61,6 +64,7 @@ def watch_over(
         formation: who follows whom.
         seen: capture time of the last frame each known robot was seen in [s].
         tick: the present inputs.
+        ambiguous: robots that may be another one with the same tag.
 
     Returns:
         The new memory; 0 (stand) to 1 (free) for every robot of the formation; what changed.
@@ -70,22 +74,32 @@ def watch_over(
     silent = tick.t - since > rules.camera_silent
     t_silent = tick.t if silent else memory.t_silent
     steady = t_silent is None or tick.t - t_silent >= rules.good_frames
+    standing = frozenset() if rules.drive_ambiguous else ambiguous
     shares = (
-        _shares(rules, formation, seen, tick) if steady else dict.fromkeys(formation.robots, 0.0)
+        _shares(rules, formation, seen, tick, standing)
+        if steady
+        else dict.fromkeys(formation.robots, 0.0)
     )
     stopped = frozenset(robot for robot, share in shares.items() if share == 0.0 and robot in seen)
     events = (
         *_camera_events(memory, t_silent, steady, tick.t, rules),
-        *_robot_events(memory.stopped, stopped, seen, tick),
+        *_robot_events(memory.stopped, stopped, seen, tick, standing),
     )
     return GuardMemory(t_frame, None if steady else t_silent, stopped), shares, events
 
 
 def _shares(
-    rules: SafetyRules, formation: Formation, seen: Mapping[RobotId, float], tick: Tick
+    rules: SafetyRules,
+    formation: Formation,
+    seen: Mapping[RobotId, float],
+    tick: Tick,
+    standing: frozenset[RobotId],
 ) -> dict[RobotId, float]:
     """A robot's own share, limited by that of the robot it follows."""
-    own = {robot: _own_share(rules, robot, seen, tick) for robot in formation.robots}
+    own = {
+        robot: 0.0 if robot in standing else _own_share(rules, robot, seen, tick)
+        for robot in formation.robots
+    }
     for pair in formation.pairs:  # leaders first, so limits travel down the tree
         own[pair.follower] = min(own[pair.follower], own[pair.leader])
     return own
@@ -114,11 +128,15 @@ def _camera_events(
 
 
 def _robot_events(
-    before: frozenset[RobotId], after: frozenset[RobotId], seen: Mapping[RobotId, float], tick: Tick
+    before: frozenset[RobotId],
+    after: frozenset[RobotId],
+    seen: Mapping[RobotId, float],
+    tick: Tick,
+    standing: frozenset[RobotId],
 ) -> tuple[SafetyEvent, ...]:
     """Robots that have just been stopped, and those that may move again."""
     stopped = [
-        SafetyEvent(tick.t, "robot-stopped", robot, _why(robot, seen, tick))
+        SafetyEvent(tick.t, "robot-stopped", robot, _why(robot, seen, tick, standing))
         for robot in sorted(after - before, key=str)
     ]
     freed = [
@@ -128,7 +146,11 @@ def _robot_events(
     return (*stopped, *freed)
 
 
-def _why(robot: RobotId, seen: Mapping[RobotId, float], tick: Tick) -> str:
+def _why(
+    robot: RobotId, seen: Mapping[RobotId, float], tick: Tick, standing: frozenset[RobotId]
+) -> str:
+    if robot in standing:
+        return "it may be another robot that wears the same tag"
     if robot in tick.lost_links:
         return "its radio link is down"
     return f"last seen {tick.t - seen[robot]:.2f} s ago, or it follows a robot that was stopped"

@@ -46,7 +46,9 @@ def make_tags(scenario: Scenario) -> TagSet:
     _check_colors(layout, own, scenario)
     pairs = zip(scenario.robots, own, strict=True)
     tags = (layout.worn_by(robot.id, colors) for robot, colors in pairs)
-    return TagSet(tuple(tags), mirror_twins=layout.mirror_twins)
+    return TagSet(
+        tuple(tags), mirror_twins=layout.mirror_twins, look_alikes=scenario.tags.look_alikes
+    )
 
 
 def make_markers(scenario: Scenario) -> MarkerSet | None:

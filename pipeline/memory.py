@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from control.command import RobotId
 from control.estimation import Estimate
+from control.geometry import Pose2D
 from control.history import SentCommands
 from control.leader import LeaderMemory
 from control.sliding import FollowerMemory
@@ -12,6 +13,19 @@ from control.unicycle import UnicycleState
 from pipeline.guard import GuardMemory
 from vision.frame import Frame
 from vision.light import PALETTE_LIGHT, Light
+
+
+@dataclass(frozen=True, slots=True)
+class Sighting:
+    """A robot seen where it cannot have come by itself.
+
+    Attributes:
+        t: capture time [s].
+        pose: on the floor [m, m, rad].
+    """
+
+    t: float
+    pose: Pose2D
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,12 +37,16 @@ class Track:
         ahead: that state rolled forward through the commands sent.
         t_ahead: the time of `ahead` [s].
         sent: commands sent to the robot.
+        ambiguous: whether it may be another robot that wears the same tag.
+        elsewhere: the last sighting that was not believed; None if the last was.
     """
 
     estimate: Estimate
     ahead: UnicycleState
     t_ahead: float
     sent: SentCommands = field(default_factory=SentCommands)
+    ambiguous: bool = False
+    elsewhere: Sighting | None = None
 
 
 @dataclass(frozen=True, slots=True)

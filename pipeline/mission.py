@@ -115,10 +115,12 @@ def forget_glimpses(mission: Mission) -> Mission:
 def _before_start(
     setup: Setup, mission: Mission, tracks: Mapping[RobotId, Track], tick: Tick
 ) -> Mission:
-    """Wait until every robot of the formation is in sight, then watch, then start."""
+    """Wait until every robot of the formation is in sight and known, then watch, then start."""
     fresh = setup.rules.slow_after
     in_sight = all(
-        robot in tracks and tick.t - tracks[robot].estimate.t < fresh
+        robot in tracks
+        and tick.t - tracks[robot].estimate.t < fresh
+        and (setup.rules.drive_ambiguous or not tracks[robot].ambiguous)
         for robot in setup.formation.robots
     )
     if not in_sight:

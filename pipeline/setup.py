@@ -1,5 +1,6 @@
 """From a scenario to the objects of a run: everything that stays constant while it runs."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import radians
 
@@ -7,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.actuation import Actuation
+from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
 from control.formation import Formation, Pair, Shape, TanhStep
@@ -51,6 +53,7 @@ class Setup:
         command_validity: a command older than this is never sent [s].
         watch_time: how long moving robots are watched before the start; 0: they rest [s].
         duration: of the mission [s].
+        starts: where the scenario says that robots stand at first [m, m, rad].
     """
 
     name: str
@@ -70,6 +73,7 @@ class Setup:
     command_validity: float
     watch_time: float
     duration: float
+    starts: Mapping[RobotId, Pose2D]
 
     @property
     def camera(self) -> CameraModel:
@@ -161,6 +165,11 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
+        starts={
+            robot.id: Pose2D(robot.start.x_m, robot.start.y_m, radians(robot.start.theta_deg))
+            for robot in scenario.robots
+            if robot.start is not None
+        },
     )
 
 
@@ -203,8 +212,9 @@ def _leader_gains(config: LeaderConfig) -> LeaderGains:
 def _rules(scenario: Scenario) -> SafetyRules:
     s = scenario.safety
     return SafetyRules(
-        s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s
-    )
+        s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
+        s.drive_ambiguous,
+    )  # fmt: skip
 
 
 def _pair(config: PairConfig) -> Pair:

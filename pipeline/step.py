@@ -8,6 +8,7 @@ the laws. Live runs and replays turn the same crank.
 from control.command import Command
 from datasets.cycle import Cycle, RobotState, Tick
 from pipeline.guard import watch_over
+from pipeline.identity import ambiguous_of, doubts_told
 from pipeline.memory import Laws, Memory
 from pipeline.mission import advance, forget_glimpses, initial_rates, watch
 from pipeline.setup import Setup
@@ -36,7 +37,9 @@ def step(
     tick = without_repeats(tick, memory.frame)
     scene, tracks = look(setup, memory.tracks, memory.light, tick, locate)  # at capture time
     seen = {robot: track.estimate.t for robot, track in tracks.items()}
-    guard, shares, events = watch_over(setup.rules, memory.guard, setup.formation, seen, tick)
+    guard, shares, events = watch_over(
+        setup.rules, memory.guard, setup.formation, seen, tick, ambiguous_of(tracks)
+    )
     mission = watch(setup, memory.mission, scene)
     mission = advance(setup, mission, tracks, shares, tick, dt)
 
@@ -54,7 +57,8 @@ def step(
     robots = tuple(RobotState(robot, track.ahead) for robot, track in tracks.items())
     cycle = Cycle(
         tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,
-        planned if mission.t_start is not None else None, commands, events, notes,
+        planned if mission.t_start is not None else None, commands, events,
+        (*doubts_told(setup.tags, memory.tracks, tracks, tick.t), *notes),
     )  # fmt: skip
     light, frame = (memory.light, memory.frame) if scene is None else (scene.light, tick.frame)
     return Memory(tick.t, tracks, guard, mission, laws, light, frame), cycle

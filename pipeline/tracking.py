@@ -20,7 +20,8 @@ from control.estimation import (
 from control.geometry import Pose2D, wrap_angle
 from control.history import SentCommands
 from datasets.cycle import Tick
-from pipeline.memory import Track
+from pipeline.identity import CARRIED, expectations, with_doubts
+from pipeline.memory import Sighting, Track
 from pipeline.setup import Setup
 from vision.detector import Detector
 from vision.frame import Frame, is_repeated
@@ -93,9 +94,7 @@ def look(
         for robot, track in tracks.items()
         if track.estimate.t <= t
     }
-    predictions = tuple(
-        Prediction(robot, e.state.pose, e.covariance[:3, :3]) for robot, e in expected.items()
-    )
+    predictions = expectations(setup, tracks, expected, t)
     detector = setup.seeing.detector_for(tick.frame.size_px)
     scene = locate(detector, tick.frame, predictions, light)
     seen = {d.robot_id: d for d in scene.detections}
@@ -104,7 +103,7 @@ def look(
         for robot, detection in seen.items()
         if robot in expected or robot not in tracks
     }
-    return scene, {**tracks, **corrected}
+    return scene, with_doubts(setup.tags, tracks, {**tracks, **corrected})
 
 
 def ahead_of(setup: Setup, tracks: Tracks, t_effective: float) -> dict[RobotId, Track]:
@@ -135,7 +134,7 @@ def remember(tracks: Tracks, commands: tuple[Command, ...]) -> dict[RobotId, Tra
     for command in commands:
         track = noted[command.robot_id]
         sent = track.sent.append(command.t_effective, command.twist)
-        noted[command.robot_id] = Track(track.estimate, track.ahead, track.t_ahead, sent)
+        noted[command.robot_id] = replace(track, sent=sent)
     return noted
 
 
@@ -149,7 +148,7 @@ def _rolled(setup: Setup, track: Track, t: float) -> Track:
         return track
     model, gain = _model(setup, track.sent), track.estimate.gain
     state = roll(track.ahead, track.t_ahead, t, track.sent, model, gain)
-    return Track(track.estimate, state, t, track.sent)
+    return replace(track, ahead=state, t_ahead=t)
 
 
 def _corrected(
@@ -158,15 +157,24 @@ def _corrected(
     """The track after a sighting: started, corrected, or kept if the pose cannot be believed."""
     if track is None or expected is None:
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
-        return Track(estimate, estimate.state, t)
+        return Track(estimate, estimate.state, t, ambiguous=seen.ambiguous)
     covariance = seen.covariance + setup.pose_noise
     if _is_believable(expected, seen.pose, covariance):
         estimate = correct(expected, seen.pose, covariance)
-    elif t - track.estimate.t > setup.rules.stop_after:
+    elif t - track.estimate.t > setup.rules.stop_after or _is_again(track.elsewhere, seen.pose, t):
         estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
     else:
-        return track
-    return Track(estimate, estimate.state, t, track.sent)
+        return replace(track, elsewhere=Sighting(t, seen.pose))
+    return Track(estimate, estimate.state, t, track.sent, seen.ambiguous)
+
+
+def _is_again(before: Sighting | None, pose: Pose2D, t: float) -> bool:
+    """Whether a robot is seen a second time where it was not expected: it was carried there."""
+    if before is None:
+        return False
+    away, turn = hypot(pose.x - before.pose.x, pose.y - before.pose.y), pose.theta
+    near = away <= NEAR + CARRIED * (t - before.t)
+    return near and abs(wrap_angle(turn - before.pose.theta)) <= NEAR_TURN
 
 
 def _is_believable(expected: Estimate, pose: Pose2D, covariance: NDArray[np.float64]) -> bool:

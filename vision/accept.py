@@ -10,6 +10,7 @@ from vision.assignment import REPEATED, settle
 from vision.compiled import compiled
 from vision.eye import Eye
 from vision.identify import Candidates
+from vision.identity import Expectation, tell_apart
 from vision.pose import Fit
 from vision.projection import Lens, project_point
 from vision.scene import Detection, PixelPose, Rejection
@@ -20,6 +21,7 @@ Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _BORDER_PX = 0.25  # a tag may reach so far beyond the image
+_VAGUE = 0.3  # a place known to this share of the radius only is none: nothing is seen there
 _APART = 0.85  # plates nearer than this share of their width are two readings of one place
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
 
@@ -36,6 +38,8 @@ class Verdict:
         moved: shape (N,), way of the fit from where it began [m].
         overhang: shape (N,), how far the plate reaches beyond the image [px].
         screen: shape (N, 3), where they are in the image [px, px, rad].
+        hidden: shape (N,), share that is covered of tags that are refused for it, else 0.
+        twice: shape (N,), index of the tag of a robot already found that they look like, else -1.
     """
 
     scores: Floats
@@ -44,6 +48,18 @@ class Verdict:
     moved: Floats
     overhang: Floats
     screen: Floats
+    hidden: Floats
+    twice: Indices
+
+    def refuse_covered(self, chosen: Indices, hidden: Floats) -> None:
+        """Refuse candidates of which too much is covered.
+
+        Args:
+            chosen: shape (R,), their indices.
+            hidden: shape (R,), share of each that is covered.
+        """
+        self.hidden[chosen] = hidden
+        self.good[chosen] = self.sound[chosen] = False
 
 
 def judge(
@@ -71,7 +87,8 @@ def judge(
     limits, count = eye.thresholds, len(fit.poses)
     verdict = Verdict(
         np.zeros(possible.shape), np.empty(count, np.bool_), np.empty(count, np.bool_),
-        np.empty(count), np.empty(count), np.empty((count, 3)),
+        np.empty(count), np.empty(count), np.empty((count, 3)), np.zeros(count),
+        np.full(count, -1),
     )  # fmt: skip
     score_colors(
         fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
@@ -82,14 +99,20 @@ def judge(
         eye.camera.size_px, verdict.screen, verdict.overhang,
     )  # fmt: skip
     _compare(
-        fit.poses, candidates.poses, fit.residual_px, verdict.overhang, verdict.scores, eye.radius,
+        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang,
+        verdict.scores, eye.radius,
         limits.residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
 
 
 def assign(
-    verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, taken: Floats
+    verdict: Verdict,
+    fit: Fit,
+    candidates: Candidates,
+    eye: Eye,
+    taken: Floats,
+    known: Expectation | None = None,
 ) -> tuple[Indices, tuple[Rejection, ...]]:
     """Give every acceptable candidate its robot, every robot and place at most once.
 
@@ -99,6 +122,8 @@ def assign(
         candidates: where the fit began.
         eye: tags and camera.
         taken: shape (M, 2), places of robots already found [m].
+        known: where robots are expected: it decides between candidates with the same colours;
+            None if the colours decide.
 
     Returns:
         Index of the tag of every candidate, negative for none, shape (N,); rejections.
@@ -107,6 +132,9 @@ def assign(
     order = np.lexsort((fit.residual_px, ~verdict.good))
     places = np.ascontiguousarray(fit.poses[:, :2])
     tags = settle(verdict.scores, verdict.good, order, places, taken, nearest)
+    if known is not None:
+        claims = verdict.good & (tags != REPEATED)
+        tell_apart(tags, verdict.scores, claims, places, np.array(eye.tags.alike), known)
     rows = np.flatnonzero(tags >= 0)
     unsure = verdict.scores[rows, tags[rows]] < eye.thresholds.confidence
     rejected = [
@@ -162,7 +190,8 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
 
 @compiled
 def _compare(
-    poses: Floats, starts: Floats, residual_px: Floats, overhang: Floats, scores: Floats,
+    poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats,
+    scores: Floats,
     radius: float, most_px: float, confidence: float,
     moved: Floats, sound: NDArray[np.bool_], good: NDArray[np.bool_],
 ) -> None:  # fmt: skip
@@ -170,7 +199,8 @@ def _compare(
     for n in range(len(poses)):
         moved[n] = np.hypot(poses[n, 0] - starts[n, 0], poses[n, 1] - starts[n, 1])
         near = overhang[n] <= _BORDER_PX and moved[n] < radius
-        sound[n] = near and residual_px[n] < most_px
+        told = covariances[n, 0, 0] + covariances[n, 1, 1] < (_VAGUE * radius) ** 2
+        sound[n] = near and told and residual_px[n] < most_px
         good[n] = sound[n] and scores[n].max() >= confidence
 
 
@@ -204,10 +234,12 @@ def _why_not(
     limits = eye.thresholds
     if verdict.overhang[n] > _BORDER_PX:
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
+    if verdict.hidden[n] > 0.0 or verdict.twice[n] >= 0:
+        return _else_why_not(verdict, eye, n)
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
-    if not fit.residual_px[n] < limits.residual_px:
-        return f"misfit of {fit.residual_px[n]:.2f} px, limit {limits.residual_px:.2f} px"
+    if not verdict.sound[n]:
+        return _misfit(float(fit.residual_px[n]), limits.residual_px)
     if not verdict.good[n]:
         return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
     tag = int(verdict.scores[n].argmax())
@@ -216,6 +248,20 @@ def _why_not(
         f"id {eye.tags.ids[tag]} already taken by a better candidate "
         f"({best:.2f} >= {verdict.scores[n, tag]:.2f})"
     )
+
+
+def _misfit(residual_px: float, limit_px: float) -> str:
+    """Say why a fit that ended near its start is none."""
+    if residual_px < limit_px:
+        return "nothing to be seen here that tells where the tag is"
+    return f"misfit of {residual_px:.2f} px, limit {limit_px:.2f} px"
+
+
+def _else_why_not(verdict: Verdict, eye: Eye, n: int) -> str:
+    """Say what lies on a candidate, or whom it repeats."""
+    if verdict.hidden[n] > 0.0:
+        return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
+    return f"looks like robot {eye.tags.ids[verdict.twice[n]]}, which is seen elsewhere"
 
 
 def _color_reason(colors: Floats, shape: int, scores: Floats, eye: Eye) -> str:

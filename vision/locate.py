@@ -1,42 +1,31 @@
 """A frame in, robot poses out, in five stages: follow, segment, propose, fit, accept."""
 
-from dataclasses import dataclass
 from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
 
-from control.command import RobotId
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
+from vision.covered import DOUBTFUL_PX, fit_uncovered
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
+from vision.identity import Expectation, Prediction, expect, with_doubts
 from vision.light import PALETTE_LIGHT, Light, relit, taught, watched
-from vision.pose import fit_poses
+from vision.pose import Fit, fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
 
+__all__ = ["Prediction", "locate"]
+
 Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.intp]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SLACK = 3.0  # in the light on robots that are where they are expected
 _STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
-
-
-@dataclass(frozen=True, slots=True)
-class Prediction:
-    """Where a robot is expected in the frame.
-
-    Attributes:
-        robot_id: the robot.
-        pose: on the floor [m, m, rad].
-        covariance: of the pose, shape (3, 3) [m^2, m rad, rad^2].
-    """
-
-    robot_id: RobotId
-    pose: Pose2D
-    covariance: Floats
 
 
 def locate(
@@ -64,11 +53,15 @@ def locate(
     """
     check_size(frame, eye.camera.size_px)
     light = watched(light, frame.image)
-    found, rejected, light = _follow(frame, eye, predictions, light)
+    known = expect(eye.tags, predictions) if eye.tags.look_alikes else None
+    found, rejected, light = _follow(frame, eye, predictions, known, light)
     missing = _missing(found, eye)
     if missing.any():
-        more, rejected = _search(frame, eye, missing, found, light)
-        found += more
+        known = known or expect(eye.tags, predictions)
+        more, reasons = _search(frame, eye, missing, found, known, light)
+        found, rejected = found + more, rejected + reasons
+    if known is not None and eye.tags.look_alikes:
+        found = with_doubts(found, eye.tags, known)
     if not found and not predictions:
         light = relit(light)
     order = {robot_id: rank for rank, robot_id in enumerate(eye.tags.ids)}
@@ -77,7 +70,11 @@ def locate(
 
 
 def _follow(
-    frame: Frame, eye: Eye, predictions: tuple[Prediction, ...], light: Light
+    frame: Frame,
+    eye: Eye,
+    predictions: tuple[Prediction, ...],
+    among: Expectation | None,
+    light: Light,
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
     """Fit the predicted robots where they are expected; they tell the light."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
@@ -88,10 +85,19 @@ def _follow(
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in known])
     centers = eye.camera.tag_pixels(poses)
     start = Candidates(eye.looks.shape_of[tags], poses, centers, np.ones(len(known)))
-    possible = tags[:, None] == np.arange(len(eye.tags.tags))
+    alike = np.array(eye.tags.alike)
+    possible = alike[tags][:, None] == alike
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
-    chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE)
+    lately = np.array([p.reach == 0.0 for p in known])
+    doubtful = np.flatnonzero(lately & ~(verdict.good & (fit.residual_px < DOUBTFUL_PX)))
+    if len(doubtful):
+        seen = fit_uncovered(frame.image, eye, start.shapes[doubtful], poses[doubtful])
+        plain = seen.plain
+        _replace(fit, doubtful[plain], seen.fit, plain)
+        verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
+        verdict.refuse_covered(doubtful[~plain], seen.hidden[~plain])
+    chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
 
@@ -101,13 +107,14 @@ def _search(
     eye: Eye,
     missing: NDArray[np.bool_],
     found: tuple[Detection, ...],
+    known: Expectation,
     light: Light,
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...]]:
     """Look for the missing robots in the whole frame."""
     classes = eye.palette.classify(frame.image, light)
     blobs = find_blobs(classes, eye.min_blob_px, eye.thresholds.max_blobs)
     blobs = _unexplained(blobs, found, eye)
-    candidates, rejected = propose(blobs, classes, eye, missing)
+    candidates, rejected = propose(blobs, classes, eye, np.ones_like(missing))
     if len(candidates) == 0:
         return (), rejected
     possible = np.tile(missing, (len(candidates), 1))
@@ -115,12 +122,31 @@ def _search(
         frame.image, eye.gauge, candidates.shapes, candidates.poses, candidates.centers, _STEPS
     )
     verdict = judge(fit, candidates, eye, possible, light.gains)
+    if found:
+        anybody = judge(fit, candidates, eye, np.ones_like(possible), light.gains)
+        twice = np.flatnonzero(anybody.good & ~verdict.good)
+        verdict.twice[twice] = anybody.scores[twice].argmax(axis=1)
+    tracked = known.places[missing & (known.reach == 0.0)]
+    veiled = _near(fit.poses, tracked, eye.radius) & (fit.residual_px > DOUBTFUL_PX)
+    verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
-    chosen, reasons = assign(verdict, fit, candidates, eye, taken)
+    chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
     return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 
 _NOWHERE = np.zeros((0, 2))
+
+
+def _replace(fit: Fit, chosen: Indices, other: Fit, rows: Flags) -> None:
+    """Put rows of another fit in the place of some."""
+    fit.poses[chosen], fit.covariances[chosen] = other.poses[rows], other.covariances[rows]
+    fit.residual_px[chosen], fit.colors[chosen] = other.residual_px[rows], other.colors[rows]
+
+
+def _near(poses: Floats, places: Floats, reach: float) -> Flags:
+    """Which poses (N, 3) are near one of some places (M, 2), shape (N,)."""
+    away = np.hypot(*(poses[:, None, :2] - places).transpose(2, 0, 1))
+    return np.asarray(away.min(axis=1, initial=np.inf) < reach)
 
 
 def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:

@@ -36,6 +36,7 @@ class Detection:
         covariance: of pose, shape (3, 3) [m^2, m rad, rad^2], read-only.
         residual_px: rms misfit of the layout, as a displacement of its edges [px].
         confidence: 0 (a guess) to 1 (every part of the tag agrees).
+        ambiguous: whether it may be another robot that wears the same tag.
     """
 
     robot_id: RobotId
@@ -44,6 +45,7 @@ class Detection:
     covariance: NDArray[np.float64]
     residual_px: float
     confidence: float
+    ambiguous: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -134,6 +134,8 @@ class TagSet:
         background: colours that are not searched for: the plate's and the floor's.
         mirror_twins: accept tags that are mirror images of one another; safe as long as nobody
             mirrors the picture.
+        look_alikes: accept robots that wear the same tag; they are told apart by where they were.
+        alike: for every tag the index of the first that is the same; found here.
 
     Raises:
         VisionError: if an id comes twice, a tag has no coloured part or looks the same when turned,
@@ -143,9 +145,11 @@ class TagSet:
     tags: tuple[Tag, ...]
     background: tuple[str, ...] = ("black",)
     mirror_twins: bool = False
+    look_alikes: bool = False
+    alike: tuple[int, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        from vision.twins import check_distinct  # twins.py builds on Tag
+        from vision.twins import check_distinct, same_tags  # twins.py builds on Tag
 
         for robot_id in self.ids:
             if self.ids.count(robot_id) > 1:
@@ -156,12 +160,26 @@ class TagSet:
                     f"tag of robot {tag.robot_id}: needs a part of another colour than "
                     + ", ".join(self.background)
                 )
-        check_distinct(self.tags, self.background, self.mirror_twins)
+        check_distinct(self.tags, self.background, self.mirror_twins, self.look_alikes)
+        object.__setattr__(self, "alike", same_tags(self.tags))
 
     @property
     def ids(self) -> tuple[RobotId, ...]:
         """Ids of the robots, in the order of their tags."""
         return tuple(tag.robot_id for tag in self.tags)
+
+    def twins_of(self, robot_id: RobotId) -> tuple[RobotId, ...]:
+        """Robots that wear the same tag as one of them.
+
+        Args:
+            robot_id: of a robot of the set.
+
+        Returns:
+            The others' ids.
+        """
+        first = self.alike[self.ids.index(robot_id)]
+        pairs = zip(self.ids, self.alike, strict=True)
+        return tuple(other for other, group in pairs if group == first and other != robot_id)
 
     @property
     def colors(self) -> tuple[str, ...]:

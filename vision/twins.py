@@ -40,20 +40,41 @@ class Likeness:
     differs: float
 
 
-def check_distinct(tags: tuple[Tag, ...], background: tuple[str, ...], mirror_twins: bool) -> None:
+def check_distinct(
+    tags: tuple[Tag, ...],
+    background: tuple[str, ...],
+    mirror_twins: bool,
+    look_alikes: bool = False,
+) -> None:
     """Refuse tags that cannot be told apart, or whose heading cannot be told.
 
     Args:
         tags: to compare, every pair of them.
         background: colours that count as nothing.
         mirror_twins: do not mind tags that are mirror images of one another.
+        look_alikes: do not mind tags that are the same.
 
     Raises:
         VisionError: naming the two tags and the turn that makes them alike.
     """
+    alike = same_tags(tags)
     for found in likenesses(tags, background, mirror_twins):
-        if found.differs < ALIKE:
-            raise VisionError(_complaint(found, tags))
+        same = found.one != found.other and alike[found.one] == alike[found.other]
+        if found.differs < ALIKE and not (same and look_alikes):
+            raise VisionError(_complaint(found, tags, same))
+
+
+def same_tags(tags: tuple[Tag, ...]) -> tuple[int, ...]:
+    """Find tags that are the same: polygons and colours.
+
+    Args:
+        tags: to compare.
+
+    Returns:
+        For every tag the index of the first that is the same.
+    """
+    looks = [tuple((part.color, part.polygon.tobytes()) for part in tag.parts) for tag in tags]
+    return tuple(looks.index(look) for look in looks)
 
 
 def likenesses(
@@ -84,13 +105,18 @@ def likenesses(
         yield Likeness(i, j, mirrored, turn * _TURN_DEG, share)
 
 
-def _complaint(found: Likeness, tags: tuple[Tag, ...]) -> str:
+def _complaint(found: Likeness, tags: tuple[Tag, ...], same: bool) -> str:
     """Why tags are refused."""
     one, other = tags[found.one].robot_id, tags[found.other].robot_id
     if found.one == found.other:
         return (
             f"tag of robot {one} looks the same when turned by {found.turn_deg} deg "
             f"({found.differs:.0%} of it differs)"
+        )
+    if same:
+        return (
+            f"robots {one} and {other} wear the same tag: give one other colours, or say "
+            "look_alikes = true if they are to be told apart by where they were"
         )
     how = "mirrored and " if found.mirrored else ""
     return (

@@ -68,6 +68,7 @@ def _detection(d: Detection, floor_known: bool) -> dict[str, Any]:
         "theta_rad": d.pose.theta if floor_known else None,
         "confidence": d.confidence,
         "residual_px": d.residual_px,
+        "ambiguous": d.ambiguous,
     }
 
 
@@ -76,7 +77,7 @@ def _tell(path: Path, scene: Scene, floor_known: bool, output: Output) -> None:
     header = ("robot", "x px", "y px", "heading deg", "x m", "y m", "confidence", "residual px")
     rows = [
         (
-            str(d.robot_id), f"{d.pixel.x:.2f}", f"{d.pixel.y:.2f}",
+            f"{d.robot_id}{' ?' * d.ambiguous}", f"{d.pixel.x:.2f}", f"{d.pixel.y:.2f}",
             f"{degrees(d.pixel.heading):.1f}",
             *((f"{d.pose.x:.4f}", f"{d.pose.y:.4f}") if floor_known else ("-", "-")),
             f"{d.confidence:.2f}", f"{d.residual_px:.2f}",
@@ -84,6 +85,8 @@ def _tell(path: Path, scene: Scene, floor_known: bool, output: Output) -> None:
         for d in scene.detections
     ]  # fmt: skip
     output.table(f"{path}: {len(rows)} robots", header, rows)
+    if any(d.ambiguous for d in scene.detections):
+        output.say("  ?: other robots wear the same tag; a single picture does not tell them apart")
     for r in scene.rejected:
         output.say(f"  not accepted at ({r.x:.0f}, {r.y:.0f}) px: {r.reason}")
 

@@ -77,7 +77,7 @@ def _draw_detection(
     start, end = (tuple(map(int, _fixed(p, k)[0] >> SUBPIXEL)) for p in (center, tip))
     cv2.arrowedLine(canvas, start, end, ACCEPTED, 1, cv2.LINE_AA)
     corner = (start[0] + int(0.7 * reach), start[1] - int(0.5 * reach))
-    _write(canvas, f"{seen.robot_id}", corner, ACCEPTED, 0.7)
+    _write(canvas, f"{seen.robot_id}{' ?' * seen.ambiguous}", corner, ACCEPTED, 0.7)
 
 
 def _draw_rejection(canvas: Image, rejection: Rejection, k: int) -> None:

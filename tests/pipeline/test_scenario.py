@@ -40,7 +40,7 @@ def test_shipped_scenarios_build(name: str) -> None:
         ("turn_deg = 180.0", "turn = 180.0", 'unknown key "leader.segments.1.turn"'),
         ("follower = 3", "follower = 4", "robot 4, which is not among the robots"),
         ("id = 3\n", "id = 2\n", "robot id given twice: 2"),
-        ("rear = \"blue\"", 'rear = "red"', "robots 1 and 3 cannot be told apart"),
+        ("rear = \"blue\"", 'rear = "red"', "robots 1 and 3 wear the same tag"),
         ("rear = \"blue\"", 'rear = "mauve"', '"mauve" is not among'),
         ('layout = "two_patch"', 'layout = "tow_patch"', 'no tag layout "tow_patch"'),
         ("mu = 20.0", "mu = 2.0", "mu (2.0) must be greater than nu (4.0)"),

@@ -65,7 +65,7 @@ def test_tags_without_colour_are_refused() -> None:
 @pytest.mark.parametrize(
     ("one", "other", "message"),
     [
-        ((1, "red"), (2, "red"), "robots 1 and 2 cannot be told apart.*turned by 0 deg"),
+        ((1, "red"), (2, "red"), "robots 1 and 2 wear the same tag.*look_alikes"),
         ((1, "red"), (1, "blue"), "robot 1 has 2 tags"),
     ],
 )
