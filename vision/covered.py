@@ -22,13 +22,10 @@ Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-DOUBTFUL_PX = 0.25
-"""Misfit of a tracked tag beyond which something may lie on it; clean tags have 0.1."""
+_DOUBTFUL_PX, _DOUBTFUL = 0.25, 1.8  # misfit that makes one think: pixels, times the usual one
 
 MOST = 0.65
 """Share of a tag's pixels left out while it is followed, at most; coarse colours' fringes count."""
-
-_BEST_PX = 0.25  # misfit of what is left of a tag that is followed
 
 _SLACKS = (0.003, 0.002, 0.0015)  # of the pose, from one fit to the next [m]
 _STEPS = 8
@@ -50,10 +47,28 @@ class Uncovered:
     fit: Fit
     hidden: Floats
 
-    @property
-    def plain(self) -> Flags:
-        """Which tags are seen well enough, shape (R,)."""
-        return (self.hidden < MOST) & (self.fit.residual_px < _BEST_PX)
+    def plain(self, limit_px: float) -> Flags:
+        """Find the tags that are seen well enough.
+
+        Args:
+            limit_px: misfit of a clean tag, at most [px].
+
+        Returns:
+            Which they are, shape (R,).
+        """
+        return (self.hidden < MOST) & (self.fit.residual_px < limit_px)
+
+
+def doubtful_px(usual_px: float) -> float:
+    """Misfit of a tracked tag beyond which something may lie on it.
+
+    Args:
+        usual_px: misfit of tags through this camera [px].
+
+    Returns:
+        The limit [px].
+    """
+    return max(_DOUBTFUL_PX, _DOUBTFUL * usual_px)
 
 
 def fit_uncovered(image: Bytes, eye: Eye, shapes: Indices, start: Floats) -> Uncovered:

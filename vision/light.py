@@ -30,6 +30,7 @@ class Light:
         red: of the red channel.
         view: shape (N, 3), BGR of a lattice of pixels of the last frame, None before the first.
         supposed: which of `BRIGHTNESSES` is supposed while nobody is found.
+        misfit_px: usual residual of tags through this camera, 0 before the first [px].
     """
 
     blue: float = 1.0
@@ -37,6 +38,7 @@ class Light:
     red: float = 1.0
     view: Bytes | None = field(default=None, compare=False, repr=False)
     supposed: int = 0
+    misfit_px: float = 0.0
 
     @property
     def gains(self) -> Floats:
@@ -68,7 +70,7 @@ def watched(light: Light, image: Bytes) -> Light:
     _sample(image, view)
     if light.view is None or not _has_jumped(light.view, view):
         return replace(light, view=view)
-    return replace(_made(light.gains * _ratios(light.view, view), view), supposed=light.supposed)
+    return _made(replace(light, view=view), light.gains * _ratios(light.view, view))
 
 
 def taught(light: Light, ratios: Floats) -> Light:
@@ -90,6 +92,23 @@ def taught(light: Light, ratios: Floats) -> Light:
     return replace(light, blue=blue, green=green, red=red)
 
 
+def refitted(light: Light, residuals_px: list[float]) -> Light:
+    """Follow how well tags usually fit: halos, prints and lenses that nobody measured.
+
+    Args:
+        light: of this frame.
+        residuals_px: of the tags that were accepted [px].
+
+    Returns:
+        The light with the usual misfit.
+    """
+    if not residuals_px:
+        return light
+    middle = sorted(residuals_px)[len(residuals_px) // 2]
+    share = _RATE if light.misfit_px else 1.0
+    return replace(light, misfit_px=light.misfit_px + share * (middle - light.misfit_px))
+
+
 def relit(light: Light) -> Light:
     """Suppose another brightness, where nobody is found and nobody is known.
 
@@ -101,7 +120,7 @@ def relit(light: Light) -> Light:
     """
     n = (light.supposed + 1) % len(BRIGHTNESSES)
     factor = BRIGHTNESSES[n] / BRIGHTNESSES[light.supposed]
-    return replace(_made(light.gains * factor, light.view), supposed=n)
+    return _made(light, light.gains * factor, supposed=n)
 
 
 @compiled
@@ -178,10 +197,11 @@ def _sample(image: Bytes, view: Bytes) -> None:
                 view[row * _LATTICE[0] + column, channel] = image[y, x, channel]
 
 
-def _made(gains: Floats, view: Bytes | None) -> Light:
-    """A light with its factors kept within reason."""
+def _made(light: Light, gains: Floats, supposed: int | None = None) -> Light:
+    """A light with other factors, kept within reason."""
     blue, green, red = np.exp(np.clip(np.log(gains), -_MOST, _MOST)).tolist()
-    return Light(blue, green, red, view)
+    supposed = light.supposed if supposed is None else supposed
+    return replace(light, blue=blue, green=green, red=red, supposed=supposed)
 
 
 @compiled

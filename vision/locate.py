@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
-from vision.covered import DOUBTFUL_PX, fit_uncovered
+from vision.covered import doubtful_px, fit_uncovered
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
 from vision.identity import Expectation, Prediction, expect, with_doubts
-from vision.light import PALETTE_LIGHT, Light, relit, taught, watched
+from vision.light import PALETTE_LIGHT, Light, refitted, relit, taught, watched
 from vision.pose import Fit, fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
@@ -62,6 +62,7 @@ def locate(
         found, rejected = found + more, rejected + reasons
     if known is not None and eye.tags.look_alikes:
         found = with_doubts(found, eye.tags, known)
+    light = refitted(light, [detection.residual_px for detection in found])
     if not found and not predictions:
         light = relit(light)
     order = {robot_id: rank for rank, robot_id in enumerate(eye.tags.ids)}
@@ -90,10 +91,11 @@ def _follow(
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
     lately = np.array([p.reach == 0.0 for p in known])
-    doubtful = np.flatnonzero(lately & ~(verdict.good & (fit.residual_px < DOUBTFUL_PX)))
+    limit = doubtful_px(light.misfit_px)
+    doubtful = np.flatnonzero(lately & ~(verdict.good & (fit.residual_px < limit)))
     if len(doubtful):
         seen = fit_uncovered(frame.image, eye, start.shapes[doubtful], poses[doubtful])
-        plain = seen.plain
+        plain = seen.plain(limit)
         _replace(fit, doubtful[plain], seen.fit, plain)
         verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
         verdict.refuse_covered(doubtful[~plain], seen.hidden[~plain])
@@ -127,7 +129,9 @@ def _search(
         twice = np.flatnonzero(anybody.good & ~verdict.good)
         verdict.twice[twice] = anybody.scores[twice].argmax(axis=1)
     tracked = known.places[missing & (known.reach == 0.0)]
-    veiled = _near(fit.poses, tracked, eye.radius) & (fit.residual_px > DOUBTFUL_PX)
+    veiled = _near(fit.poses, tracked, eye.radius) & (
+        fit.residual_px > doubtful_px(light.misfit_px)
+    )
     verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
     chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
