@@ -22,7 +22,7 @@ Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-_DOUBTFUL_PX, _DOUBTFUL = 0.25, 1.8  # misfit that makes one think: pixels, times the usual one
+_DOUBTFUL_PX, _DOUBTFUL = 0.3, 2.5  # misfit that makes one think: pixels, times the usual one
 
 MOST = 0.65
 """Share of a tag's pixels left out while it is followed, at most; coarse colours' fringes count."""
