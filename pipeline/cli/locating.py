@@ -6,11 +6,11 @@ from typing import Any
 
 from datasets.recorded import read_image
 from pipeline.cli.output import Output
+from pipeline.looking import look
 from pipeline.scenario import load_scenario
 from pipeline.seeing import Seeing, make_seeing
 from pipeline.viewers.overlay import draw_scene, write_picture
 from vision.frame import Frame, as_frame
-from vision.light import PALETTE_LIGHT
 from vision.scene import Detection, Scene
 
 
@@ -38,7 +38,7 @@ def locate_images(
     found = []
     for sequence, path in enumerate(images):
         frame = as_frame(read_image(path), 0.0, sequence, str(path))
-        scene = seeing.detector_for(frame.size_px).locate(frame, (), PALETTE_LIGHT)
+        scene = look(seeing.detector_for(frame.size_px), frame)
         if overlay is not None:
             _draw(seeing, frame, scene, overlay / f"{path.stem}.png")
         if output.as_json:
