@@ -83,7 +83,7 @@ def judge(
     )  # fmt: skip
     _compare(
         fit.poses, candidates.poses, fit.residual_px, verdict.overhang, verdict.scores, eye.radius,
-        limits.residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
+        eye.most_residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
 
@@ -201,13 +201,12 @@ def _why_not(
     verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, n: int, tags: Indices
 ) -> str:
     """Say why a candidate is not accepted."""
-    limits = eye.thresholds
     if verdict.overhang[n] > _BORDER_PX:
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
-    if not fit.residual_px[n] < limits.residual_px:
-        return f"misfit of {fit.residual_px[n]:.2f} px, limit {limits.residual_px:.2f} px"
+    if not fit.residual_px[n] < eye.most_residual_px:
+        return f"misfit of {fit.residual_px[n]:.2f} px, limit {eye.most_residual_px:.2f} px"
     if not verdict.good[n]:
         return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
     tag = int(verdict.scores[n].argmax())

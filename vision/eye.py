@@ -34,6 +34,8 @@ class Thresholds:
             told by their brightness.
         confidence: probability of the tag's colours rather than any, after the fit.
         residual_px: largest rms misfit after the fit [px].
+        residual_share: the same as a share of the tag's side, where that is more: nobody cuts and
+            measures tags to a hundredth.
         max_blobs: larger numbers are cut, the largest blobs stay.
         max_candidates: larger numbers are cut, the best candidates stay.
     """
@@ -44,6 +46,7 @@ class Thresholds:
     light_spread: float = 0.25
     confidence: float = 0.5
     residual_px: float = 0.8
+    residual_share: float = 0.02
     max_blobs: int = 400
     max_candidates: int = 64
 
@@ -79,6 +82,12 @@ class Eye:
     min_blob_px: float
     field_px: NDArray[np.float64] | None = None
     mask: NDArray[np.uint8] | None = None
+
+    @property
+    def most_residual_px(self) -> float:
+        """Largest rms misfit of a tag in this image [px]."""
+        side_px = 2.0 * self.gauge.arm * float(self.gauge.scales[0])
+        return max(self.thresholds.residual_px, self.thresholds.residual_share * side_px)
 
     def in_field(self, pixels: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether places lie where the image is searched.
