@@ -49,9 +49,7 @@ def test_a_damaged_png_is_refused_and_the_chunk_named(tmp_path: Path, whole: np.
 
 
 @pytest.mark.parametrize("name", ["right.png", "wrong.jpg", "none", "text.txt"])
-def test_the_name_of_an_image_does_not_matter(
-    tmp_path: Path, whole: np.ndarray, name: str
-) -> None:
+def test_the_name_of_an_image_does_not_matter(tmp_path: Path, whole: np.ndarray, name: str) -> None:
     (tmp_path / name).write_bytes(encoded(whole, ".png"))
     assert (read_image(tmp_path / name) == whole).all()
 

@@ -88,7 +88,7 @@ def test_outside_the_field_nobody_is_looked_for() -> None:
     frame, eye = world.frame(truth), world.eye
     middle = 0.5 * (eye.camera.tag_pixels(truth).sum(axis=0))[0]
     left = np.array([[-5.0, -5.0], [middle, -5.0], [middle, 300.0], [-5.0, 300.0]])
-    for corners, expected in ((None, [1, 2]), (left, [1]), (left + (middle, 0.0), [2])):
+    for corners, expected in ((None, [1, 2]), (left, [1]), (left + np.array([middle, 0.0]), [2])):
         half = make_eye(eye.camera, eye.tags, eye.palette, eye.optics, field_px=corners)
         scene = locate(frame, half)
         assert [d.robot_id for d in scene.detections] == expected
