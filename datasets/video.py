@@ -12,6 +12,7 @@ from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
 from datasets.errors import RecordingError
+from datasets.image_damage import damage_of
 from vision.frame import Frame, as_frame
 
 Image = NDArray[np.uint8]
@@ -146,7 +147,8 @@ def read_image(path: Path | str) -> Image:
         Shape (H, W, 3), BGR, uint8; transparent parts are black.
 
     Raises:
-        RecordingError: if the file is missing, empty, no image, or of another pixel type.
+        RecordingError: if the file is missing, empty, cut off, damaged, no image, or of another
+            pixel type.
     """
     path = Path(path)
     try:
@@ -155,6 +157,8 @@ def read_image(path: Path | str) -> Image:
         raise RecordingError(f"{path}: cannot be read ({error.strerror})") from error
     if data.size == 0:
         raise RecordingError(f"{path}: the file is empty")
+    if damage := damage_of(data.tobytes()):
+        raise RecordingError(f"{path}: {damage}")
     try:
         image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED)
     except cv2.error as error:

@@ -27,7 +27,8 @@ class CameraConfig(Section):
     """Where the camera hangs and what it delivers.
 
     A calibrated `lens` and `floor` win over field width, centre, mount height and distortion, which
-    describe an ideal camera that looks straight down. A lens alone leaves the floor unknown.
+    describe an ideal camera that looks straight down. A lens alone leaves the floor unknown. What
+    lies outside the polygon `field_px` is not searched.
     """
 
     width_px: Pixels = 320
@@ -46,6 +47,7 @@ class CameraConfig(Section):
     lens: LensConfig | None = None
     floor: FloorConfig | Literal["unknown"] | None = None
     tag_px: Positive | None = None
+    field_px: tuple[tuple[Finite, Finite], ...] | None = Field(default=None, min_length=3)
 
     @property
     def floor_known(self) -> bool:

@@ -5,7 +5,7 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from pipeline.camera_config import CameraConfig
 from pipeline.palette_config import PaletteConfig
@@ -238,18 +238,6 @@ class Scenario(Section):
     startup: StartUpConfig = StartUpConfig()
     radio: RadioConfig = RadioConfig()
     safety: SafetyConfig = SafetyConfig()
-
-    @field_validator("palette")
-    @classmethod
-    def _palette_of_these_colors(
-        cls, palette: PaletteConfig | None, info: ValidationInfo
-    ) -> PaletteConfig | None:
-        known = {"black", "floor", *info.data.get("colors", {})}
-        strange = sorted(set(palette.samples) - known) if palette else []
-        if strange:
-            colors = ", ".join(info.data.get("colors", {}))
-            raise ValueError(f"{', '.join(strange)}: not among the scenario's colours: {colors}")
-        return palette
 
     @field_validator("robots")
     @classmethod

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.camera_model import make_camera
 from pipeline.config import Scenario
@@ -112,9 +113,20 @@ def _builder(
     def _colored(scaled: CameraModel) -> Detector:
         if scaled is camera:
             return ColorDetector(eye)
-        return ColorDetector(make_eye(scaled, tags, eye.palette, eye.optics, eye.thresholds))
+        field_px = _scaled(eye.field_px, camera.size_px, scaled.size_px)
+        return ColorDetector(
+            make_eye(scaled, tags, eye.palette, eye.optics, eye.thresholds, field_px)
+        )
 
     return _colored
+
+
+def _scaled(
+    corners: NDArray[np.float64] | None, before: tuple[int, int], after: tuple[int, int]
+) -> NDArray[np.float64] | None:
+    """Places in an image at another size."""
+    factor = np.array(after) / np.array(before)
+    return None if corners is None else (corners + 0.5) * factor - 0.5
 
 
 def colored_eye(seeing: Seeing, size_px: tuple[int, int]) -> Eye:
@@ -171,7 +183,10 @@ def scenario_eye(scenario: Scenario, camera: CameraModel, tags: TagSet) -> Eye:
     s = scenario.sensor
     chroma = ChromaModel(s.chroma, s.chroma_offset_px, s.chroma_upsampling)
     palette = scenario_palette(scenario, tags)
-    return make_eye(camera, tags, palette, Optics(s.blur_px, s.read_noise, chroma))
+    field_px = scenario.camera.field_px
+    corners = None if field_px is None else np.array(field_px)
+    optics = Optics(s.blur_px, s.read_noise, chroma)
+    return make_eye(camera, tags, palette, optics, field_px=corners)
 
 
 def scenario_palette(scenario: Scenario, tags: TagSet) -> Palette:
@@ -185,12 +200,20 @@ def scenario_palette(scenario: Scenario, tags: TagSet) -> Palette:
         The palette.
 
     Raises:
-        ConfigError: if [palette] lacks a colour of the tags.
+        ConfigError: if [palette] lacks a colour of the tags, or was learned of other colours.
     """
     config = scenario.palette
     if config is None:
         used = tuple(c for c in named_colors(scenario) if c.name in tags.colors)
         return palette_from_colors(used, noise=max(scenario.sensor.read_noise, 1.0))
+    known = {"black", "floor", *nominal_colors(scenario)}
+    strange = sorted(set(config.samples) - known)
+    if strange:
+        raise ConfigError(
+            f"scenario {scenario.name}: palette.samples has {', '.join(strange)}, which "
+            f"{'is' if len(strange) == 1 else 'are'} not among the scenario's colours: "
+            f"{', '.join(sorted(known - {'floor'}))}; its file was made for other tags"
+        )
     lacking = [name for name in tags.search_colors if name not in config.samples]
     if lacking:
         raise ConfigError(

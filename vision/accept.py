@@ -101,7 +101,7 @@ def judge(
     _compare(
         fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang,
         verdict.scores, eye.radius,
-        limits.residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
+        eye.most_residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
 
@@ -231,7 +231,6 @@ def _why_not(
     verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, n: int, tags: Indices
 ) -> str:
     """Say why a candidate is not accepted."""
-    limits = eye.thresholds
     if verdict.overhang[n] > _BORDER_PX:
         return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
     if verdict.hidden[n] > 0.0 or verdict.twice[n] >= 0:
@@ -239,7 +238,7 @@ def _why_not(
     if not verdict.moved[n] < eye.radius:
         return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
     if not verdict.sound[n]:
-        return _misfit(float(fit.residual_px[n]), limits.residual_px)
+        return _misfit(float(fit.residual_px[n]), eye.most_residual_px)
     if not verdict.good[n]:
         return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
     tag = int(verdict.scores[n].argmax())

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +34,8 @@ class Thresholds:
             told by their brightness.
         confidence: probability of the tag's colours rather than any, after the fit.
         residual_px: largest rms misfit after the fit [px].
+        residual_share: the same as a share of the tag's side, where that is more: nobody cuts and
+            measures tags to a hundredth.
         max_blobs: larger numbers are cut, the largest blobs stay.
         max_candidates: larger numbers are cut, the best candidates stay.
     """
@@ -43,6 +46,7 @@ class Thresholds:
     light_spread: float = 0.25
     confidence: float = 0.5
     residual_px: float = 0.8
+    residual_share: float = 0.02
     max_blobs: int = 400
     max_candidates: int = 64
 
@@ -62,6 +66,8 @@ class Eye:
         gauge: what the fit needs.
         looks: what the search needs.
         min_blob_px: area of the smallest blob that counts [px].
+        field_px: shape (N, 2), corners of the part of the image that is searched; None for all.
+        mask: shape (H, W), 255 where the image is searched, 0 elsewhere, read-only; None for all.
     """
 
     camera: CameraModel
@@ -74,6 +80,29 @@ class Eye:
     gauge: Gauge
     looks: Looks
     min_blob_px: float
+    field_px: NDArray[np.float64] | None = None
+    mask: NDArray[np.uint8] | None = None
+
+    @property
+    def most_residual_px(self) -> float:
+        """Largest rms misfit of a tag in this image [px]."""
+        side_px = 2.0 * self.gauge.arm * float(self.gauge.scales[0])
+        return max(self.thresholds.residual_px, self.thresholds.residual_share * side_px)
+
+    def in_field(self, pixels: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether places lie where the image is searched.
+
+        Args:
+            pixels: shape (N, 2), finite.
+
+        Returns:
+            Shape (N,).
+        """
+        if self.mask is None:
+            return np.ones(len(pixels), np.bool_)
+        last = np.array(self.camera.size_px) - 1
+        x, y = np.clip(np.rint(pixels), 0, last).astype(np.intp).T
+        return np.asarray(self.mask[y, x] > 0)
 
 
 def make_eye(
@@ -82,6 +111,7 @@ def make_eye(
     palette: Palette,
     optics: Optics | None = None,
     thresholds: Thresholds | None = None,
+    field_px: NDArray[np.float64] | None = None,
 ) -> Eye:
     """Work out templates, sample points and the floor behind the picture.
 
@@ -91,12 +121,14 @@ def make_eye(
         palette: with every colour the tags search for.
         optics: sharpness and noise; the default if None.
         thresholds: of acceptance; the default if None.
+        field_px: shape (N, 2), corners of the part of the image that is searched; None for all.
 
     Returns:
         The eye.
 
     Raises:
-        VisionError: if there are no tags, the palette lacks a colour, or no pixel sees the floor.
+        VisionError: if there are no tags, the palette lacks a colour, no pixel sees the floor, or
+            the field lies outside the image.
     """
     optics, thresholds = optics or Optics(), thresholds or Thresholds()
     lacking = [color for color in tags.search_colors if palette.class_of(color) == 0]
@@ -110,8 +142,25 @@ def make_eye(
     smallest = min(float(shape.areas[list(shape.colored)].min()) for shape in shapes)
     least_px = max(2.0, thresholds.blob_share * smallest * float(scales[0]) ** 2)
     return Eye(
-        camera, tags, palette, optics, thresholds, tags.outer_radius, shapes, gauge, looks, least_px
+        camera, tags, palette, optics, thresholds, tags.outer_radius, shapes, gauge, looks,
+        least_px, field_px, _mask(camera.size_px, field_px),
+    )  # fmt: skip
+
+
+def _mask(
+    size_px: tuple[int, int], corners: NDArray[np.float64] | None
+) -> NDArray[np.uint8] | None:
+    """Paint the part of the image that is searched."""
+    if corners is None:
+        return None
+    mask = np.zeros((size_px[1], size_px[0]), np.uint8)
+    cv2.fillPoly(
+        mask, [np.rint(np.clip(corners, -1e4, 1e4) * 16.0).astype(np.int32)], (255,), shift=4
     )
+    if not mask.any():
+        raise VisionError(f"field_px has no pixel of the {size_px[0]} x {size_px[1]} px image")
+    mask.flags.writeable = False
+    return mask
 
 
 def _gauge(

@@ -128,5 +128,6 @@ def pixel_slopes(nodes: Floats, x: float, y: float) -> tuple[float, float, float
 def _scale(camera: CameraModel, floor: Floats) -> Floats:
     """Scale at tag height at floor points (N, 2), shape (N,) [px/m]."""
     affine = camera.affine_at(np.column_stack((floor, np.full(len(floor), camera.tag_height))))
-    scale: Floats = np.sqrt(np.abs(np.linalg.det(affine)))
+    with np.errstate(invalid="ignore"):  # where a bent lens sees nothing
+        scale: Floats = np.sqrt(np.abs(np.linalg.det(affine)))
     return scale

@@ -114,6 +114,8 @@ def _search(
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...]]:
     """Look for the missing robots in the whole frame."""
     classes = eye.palette.classify(frame.image, light)
+    if eye.mask is not None:
+        classes &= eye.mask
     blobs = find_blobs(classes, eye.min_blob_px, eye.thresholds.max_blobs)
     blobs = _unexplained(blobs, found, eye)
     candidates, rejected = propose(blobs, classes, eye, np.ones_like(missing))

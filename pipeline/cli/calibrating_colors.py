@@ -60,7 +60,9 @@ def _with_palette(before: Eye, learned: LearnedColors) -> Eye:
     """The same eye with the colours just learned."""
     samples = tuple(collected.samples for collected in learned.colors)
     palette = palette_from_samples(samples, learned.prints, LIGHT)
-    return make_eye(before.camera, before.tags, palette, before.optics, before.thresholds)
+    return make_eye(
+        before.camera, before.tags, palette, before.optics, before.thresholds, before.field_px
+    )
 
 
 def _picture(frame: Frame, eye: Eye, out: Path, when: str, colors: tuple[NamedColor, ...]) -> int:

@@ -6,11 +6,13 @@ from typing import Any
 
 from datasets.recorded import read_image
 from pipeline.cli.output import Output
+from pipeline.errors import ConfigError
+from pipeline.looking import look
 from pipeline.scenario import load_scenario
 from pipeline.seeing import Seeing, make_seeing
 from pipeline.viewers.overlay import draw_scene, write_picture
+from pipeline.viewers.reasons import with_reasons
 from vision.frame import Frame, as_frame
-from vision.light import PALETTE_LIGHT
 from vision.scene import Detection, Scene
 
 
@@ -31,16 +33,18 @@ def locate_images(
         output: where to say it.
 
     Raises:
-        ConfigError: if the scenario is wrong or does not fit an image's size.
+        ConfigError: if the scenario is wrong or does not fit an image's size, or overlays would
+            be written over each other or over an image.
         RecordingError: if an image cannot be read.
     """
     seeing = make_seeing(load_scenario(scenario, overrides))
+    pictures = _pictures(images, overlay)
     found = []
     for sequence, path in enumerate(images):
         frame = as_frame(read_image(path), 0.0, sequence, str(path))
-        scene = seeing.detector_for(frame.size_px).locate(frame, (), PALETTE_LIGHT)
+        scene = look(seeing.detector_for(frame.size_px), frame)
         if overlay is not None:
-            _draw(seeing, frame, scene, overlay / f"{path.stem}.png")
+            _draw(seeing, frame, scene, pictures[sequence])
         if output.as_json:
             found.append(_to_json(path, scene, seeing.floor_known))
         else:
@@ -91,7 +95,24 @@ def _tell(path: Path, scene: Scene, floor_known: bool, output: Output) -> None:
         output.say(f"  not accepted at ({r.x:.0f}, {r.y:.0f}) px: {r.reason}")
 
 
+def _pictures(images: list[Path], folder: Path | None) -> list[Path]:
+    """Where the overlay of each image goes: no two to one place, none over an image."""
+    if folder is None:
+        return []
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ConfigError(f"--overlay {folder}: not a folder ({error.strerror})") from None
+    paths = [folder / f"{image.stem}.png" for image in images]
+    given = {image.resolve() for image in images}
+    for path in paths:
+        if path.resolve() in given:
+            raise ConfigError(f"--overlay {folder}: would overwrite {path}; give another folder")
+        if paths.count(path) > 1:
+            raise ConfigError(f"--overlay {folder}: several images would be drawn to {path}")
+    return paths
+
+
 def _draw(seeing: Seeing, frame: Frame, scene: Scene, path: Path) -> None:
     camera = seeing.detector_for(frame.size_px).camera
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_picture(path, draw_scene(frame.image, scene, seeing.tags, camera))
+    write_picture(path, with_reasons(draw_scene(frame.image, scene, seeing.tags, camera), scene))

@@ -9,6 +9,7 @@ from pipeline.report.series import Series
 from pipeline.report.style import new_figure, say_empty
 from pipeline.setup import Setup
 from pipeline.viewers.overlay import draw_scene
+from pipeline.viewers.reasons import with_reasons
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,5 +66,5 @@ def seen_picture(series: Series, setup: Setup) -> bytes:
     if series.picture is not None:
         frame, scene = series.picture
         camera = setup.seeing.detector_for(frame.size_px).camera
-        image = draw_scene(frame.image, scene, setup.tags, camera)
+        image = with_reasons(draw_scene(frame.image, scene, setup.tags, camera), scene)
     return cv2.imencode(".png", image)[1].tobytes()

@@ -91,7 +91,7 @@ def test_pictures_that_show_no_robot_are_one_clear_line(tmp_path: Path) -> None:
         (fragment(blue=None), "palette.samples lacks blue, which the tags need"),
         (
             fragment(pink=(1, 2, 3)),
-            "colors.toml:1: palette: pink: not among the scenario's colours",
+            "scenario mine: palette.samples has pink, which is not among the scenario's colours",
         ),
         (fragment(red=(1, 2, 300)), "samples.red.0.2: input should be less than or equal to 255"),
         (fragment(red=(1, 2)), 'missing key "palette.samples.red.0.2"'),

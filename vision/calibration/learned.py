@@ -20,6 +20,7 @@ Pixels = NDArray[np.uint8]
 _GAINS = 9  # steps of the light
 _DEPTHS = (0.8, 1.0, 1.2)  # of the colour: what neighbours and codecs add to chroma or take
 _NOISE = 5.0  # every pixel stands for a small cloud about it [grey levels]
+_TINT = 0.1  # log of what another lamp or white balance makes of the floor's blue and red
 _BACKGROUND = 0.3  # weight of black and floor where the geometry already told that a tag is there
 
 
@@ -49,7 +50,7 @@ def palette_from_samples(
         prints: the colours that are searched for, in a common light.
         light: how much darker and brighter than measured a colour may appear, as factors.
         background: names that compete with the others but are not searched for; the floor is
-            known in all its lights and not extended.
+            known in all its lights and only extended to other tints.
 
     Returns:
         The palette.
@@ -66,7 +67,9 @@ def palette_from_samples(
         raise VisionError(f"samples of {sorted(wanted)}, but prints of {sorted(known)}")
     gains = np.geomspace(*light, _GAINS)
     extended = tuple(
-        s if s.name == "floor" else ColorSamples(s.name, _in_lights(s.pixels, gains))
+        ColorSamples(
+            s.name, _in_tints(s.pixels) if s.name == "floor" else _in_lights(s.pixels, gains)
+        )
         for s in samples
     )
     palette = learn_palette(extended, background)
@@ -77,6 +80,15 @@ def palette_from_samples(
     for array in (typical, posterior):
         array.flags.writeable = False
     return replace(palette, posterior=posterior, typical=typical)
+
+
+def _in_tints(pixels: Pixels) -> Pixels:
+    """The pixels as they are, and a little bluer, redder, greener and the opposite."""
+    turns = np.array([(0, 0), (0, 0), (1, -1), (-1, 1), (1, 0), (-1, 0), (0, 1), (0, -1)])
+    factors = np.exp(_TINT * np.column_stack((turns[:, 0], np.zeros(len(turns)), turns[:, 1])))
+    seen = pixels.astype(np.float64) * factors[:, None]
+    found: Pixels = np.clip(np.rint(seen), 0, 255).astype(np.uint8).reshape(-1, 3)
+    return found
 
 
 def _in_lights(pixels: Pixels, gains: Floats) -> Pixels:

@@ -76,7 +76,7 @@ def find_outlines(image: NDArray[np.uint8], eye: Eye) -> Sightings:
         eye: camera, tags and sharpness; its palette is not used.
 
     Returns:
-        What was found, the best fitting first.
+        What was found in the field, the best fitting first.
     """
     shapes, starts = [np.zeros(0, np.intp)], [np.zeros((0, 3))]
     for index, shape in enumerate(eye.shapes):
@@ -85,7 +85,9 @@ def find_outlines(image: NDArray[np.uint8], eye: Eye) -> Sightings:
         found = _peaks(_unexplained(raster, tag, eye.optics.blur_px), raster)
         shapes.append(np.full(len(found), index, np.intp))
         starts.append(found)
-    return _fitted(image, eye, np.concatenate(shapes), np.concatenate(starts))
+    every = np.concatenate(starts)
+    inside = eye.in_field(eye.camera.tag_pixels(every))
+    return _fitted(image, eye, np.concatenate(shapes)[inside], every[inside])
 
 
 def _unexplained(raster: Raster, tag: Tag, blur_px: float) -> Singles:
