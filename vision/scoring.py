@@ -56,7 +56,8 @@ def _cost(
         if looks.classes[tag, k] == 0:
             black = max(black, length)
             continue
-        cost += angle * angle / (_ANGLE**2 + (_NOISE / length) ** 2)
+        own = angle * angle / (_ANGLE**2 + (_NOISE / length) ** 2)
+        cost += own if length > _NOISE else max(own, 2.0 * _ANY)  # the dark has no colour
         light, squares, parts = light + level, squares + level * level, parts + 1
         darkest = min(darkest, length)
     unlike = squares - light * light / max(parts, 1)

@@ -11,6 +11,7 @@ from datasets.recorded import VideoWriter, read_image
 from pipeline.errors import CameraError, ConfigError
 from pipeline.glimpses import glimpse
 from pipeline.scenario import load_scenario, scenario_path
+from pipeline.seeing import colored_eye
 from pipeline.setup import make_setup
 from tests.pipeline.commands import echelon
 from vision.frame import as_frame
@@ -69,9 +70,10 @@ def test_a_folder_becomes_a_fragment_that_a_scenario_includes(frames: Path, tmp_
     for when in ("before", "after"):
         assert read_image(tmp_path / f"colors_{when}.png").shape == (960, 1280, 3)
     setup = make_setup(load_scenario(including(tmp_path, out.read_text())))
-    assert setup.eye.palette.names == ("yellow", "red", "green", "blue")
+    eye = colored_eye(setup.seeing, (320, 240))
+    assert eye.palette.names == ("yellow", "red", "green", "blue")
     image = read_image(sorted(frames.glob("*.png"))[-1])
-    scene = locate(as_frame(image, 0.0, 0), setup.eye)
+    scene = locate(as_frame(image, 0.0, 0), eye)
     assert [d.robot_id for d in scene.detections] == [1, 2, 3]
 
 
@@ -91,7 +93,7 @@ def test_pictures_that_show_no_robot_are_one_clear_line(tmp_path: Path) -> None:
         (fragment(blue=None), "palette.samples lacks blue, which the tags need"),
         (
             fragment(pink=(1, 2, 3)),
-            "scenario mine: palette.samples has pink, which is not among the scenario's colours",
+            "scenario paper: palette.samples has pink, which is not among the scenario's colours",
         ),
         (fragment(red=(1, 2, 300)), "samples.red.0.2: input should be less than or equal to 255"),
         (fragment(red=(1, 2)), 'missing key "palette.samples.red.0.2"'),

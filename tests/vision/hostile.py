@@ -77,7 +77,11 @@ class Room:
         if rng.random() < 0.5:
             pixels[:, 0] = rng.choice([0.0, w - 1.0], count) + rng.normal(0.0, 3.0, count)
         floor = self.camera.to_floor(pixels, self.camera.tag_height)
-        if not np.isfinite(floor).all() or np.abs(floor).max() > 10.0:
+        around = (floor[:, None] + 0.15 * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])).reshape(
+            -1, 2
+        )
+        rim = self.camera.project(np.column_stack((around, np.full(len(around), 0.075))))
+        if not (np.abs(rim) < 2000.0).all():  # the renderer is for tags in sight
             return np.zeros((h, w, 3), np.uint8)
         states = tuple(
             RobotState(robot_id, UnicycleState(*place, rng.uniform(-3.0, 3.0), 0.0, 0.0))
