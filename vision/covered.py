@@ -22,7 +22,10 @@ Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 Flags = NDArray[np.bool_]
 
-_DOUBTFUL_PX, _DOUBTFUL = 0.3, 2.5  # misfit that makes one think: pixels, times the usual one
+_DOUBTFUL_PX, _DOUBTFUL = 0.25, 1.8  # misfit that makes one think: pixels, times the usual one
+
+LEAST = 0.12
+"""Share of a tag's pixels that must be strange before it is taken for covered."""
 
 MOST = 0.65
 """Share of a tag's pixels left out while it is followed, at most; coarse colours' fringes count."""

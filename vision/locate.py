@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
-from vision.covered import doubtful_px, fit_uncovered
+from vision.covered import LEAST, doubtful_px, fit_uncovered
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
@@ -95,10 +95,11 @@ def _follow(
     doubtful = np.flatnonzero(lately & ~(verdict.good & (fit.residual_px < limit)))
     if len(doubtful):
         seen = fit_uncovered(frame.image, eye, start.shapes[doubtful], poses[doubtful])
-        plain = seen.plain(limit)
+        veiled = seen.hidden > LEAST
+        plain = veiled & seen.plain(limit)
         _replace(fit, doubtful[plain], seen.fit, plain)
         verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
-        verdict.refuse_covered(doubtful[~plain], seen.hidden[~plain])
+        verdict.refuse_covered(doubtful[veiled & ~plain], seen.hidden[veiled & ~plain])
     chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
