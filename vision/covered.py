@@ -32,7 +32,7 @@ MOST = 0.65
 
 _SLACKS = (0.003, 0.002, 0.0015)  # of the pose, from one fit to the next [m]
 _STEPS = 8
-_CORE, _ON_TAG = 0.8, 0.05  # coverage: for a part's colour; of the tag
+_CORE, _ON_TAG = 0.8, 0.6  # coverage: for a part's colour; of the tag, without its rim
 _NOISES = 4.0  # a pixel may differ by so many standard deviations
 _SHADE = 0.15  # and by this share of its brightness
 _BIAS = (0.006, 0.2)  # what a hidden tag's pose may be off, per share hidden [m], [rad]
