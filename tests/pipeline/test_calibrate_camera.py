@@ -99,7 +99,7 @@ def test_the_fragment_is_the_camera(pictures: Path, fragment: Path) -> None:
     off = floor_errors(camera, tilted())
     assert np.sqrt(np.mean(off**2)) < 3e-3  # ten views, none in the image's corners
     assert camera.tag_height == 0.075
-    assert make_setup(loaded).floor_known
+    assert make_setup(loaded).seeing.floor_known
     for name in ("coverage.png", "floor.png", "corners_views3.png", "corners_floor_floor1.png"):
         assert cv2.imread(str(pictures / "seen" / name)) is not None, name
 
@@ -170,7 +170,7 @@ def test_without_a_floor_there_are_pixels_only(pictures: Path, fragment: Path) -
     for seen in found["detections"]:
         assert (seen["x_m"], seen["y_m"], seen["theta_rad"]) == (None, None, None)
         assert seen["x_px"] > 0.0
-    assert not make_setup(load_scenario(str(path))).floor_known
+    assert not make_setup(load_scenario(str(path))).seeing.floor_known
     done = echelon("live", path, "--fast")
     assert done.returncode == 2, done.stdout
     assert "live: the camera's floor is unknown" in done.stderr

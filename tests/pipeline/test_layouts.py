@@ -134,7 +134,7 @@ def test_a_layout_of_ones_own(tmp_path: Path) -> None:
     ("right", "wrong", "message"),
     [
         ("pattern = 2", "pattern = 5", "robot 2: layout mine has no pattern 5; there are: 0, 2"),
-        ("pattern = 2", "pattern = 0", "robots 1 and 2 cannot be told apart"),
+        ("pattern = 2", "pattern = 0", "robots 1 and 2 wear the same tag"),
         ("pattern = 2", "marker = 2", 'robot 2: only layout "aruco" has markers, not mine'),
         ("pattern = 2", "", "needs colours for"),
         ('tail = "blue"', 'tail = "azure"', 'robot 2: tail = "azure" is not among'),
@@ -175,4 +175,4 @@ def test_check_tells_of_tags_and_of_layouts_that_are_not_used(tmp_path: Path) ->
     assert "most alike are robots 1 and 2" in found["tags"].detail
     assert found["layout mine"].holds
     assert not found["layout spare"].holds
-    assert "0 and 2 cannot be told apart" in found["layout spare"].detail
+    assert "0 and 2 wear the same tag" in found["layout spare"].detail
