@@ -25,7 +25,7 @@ Indices = NDArray[np.intp]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SLACK = 3.0  # in the light on robots that are where they are expected
-_STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
+_STEPS, _SEARCH_STEPS = 8, 16  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
 def locate(
@@ -124,7 +124,12 @@ def _search(
         return (), rejected
     possible = np.tile(missing, (len(candidates), 1))
     fit = fit_poses(
-        frame.image, eye.gauge, candidates.shapes, candidates.poses, candidates.centers, _STEPS
+        frame.image,
+        eye.gauge,
+        candidates.shapes,
+        candidates.poses,
+        candidates.centers,
+        _SEARCH_STEPS,
     )
     verdict = judge(fit, candidates, eye, possible, light.gains)
     if found:
