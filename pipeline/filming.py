@@ -13,7 +13,7 @@ from datasets.sensor import Change, Flicker, SensorModel
 from datasets.surroundings import Surroundings
 from datasets.things import HAND, Floats, Thing, cable_outline, outline_array, regular_outline
 from pipeline.camera_config import CameraConfig
-from pipeline.camera_model import make_camera
+from pipeline.camera_model import make_camera, require_floor
 from pipeline.cameras.delivery import Delivery
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
@@ -39,8 +39,10 @@ def make_renderer(scenario: Scenario, seed: int = 0) -> Renderer:
         The renderer.
 
     Raises:
-        ConfigError: if a thing has a colour that is not among the scenario's.
+        ConfigError: if a thing has a colour that is not among the scenario's, or the camera's floor
+            is unknown.
     """
+    require_floor(scenario.camera, "the rendered camera")
     return Renderer(
         make_camera(scenario.camera),
         make_tags(scenario),

@@ -7,7 +7,6 @@ from control.command import Command, RobotId
 from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
 from datasets.world import RobotPlant, World
-from pipeline.camera_model import require_floor
 from pipeline.cameras.device import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
@@ -140,7 +139,6 @@ def make_rendered_camera(
     Raises:
         ConfigError: if the tags are inconsistent, or the camera's floor is unknown.
     """
-    require_floor(scenario.camera, "the rendered camera")
     c, delivery = scenario.camera, make_delivery(scenario.camera, seed)
     renderer = make_renderer(scenario, seed)
     return RenderedCamera(world, renderer, c.fps, c.latency_s, duration, delivery)

@@ -146,7 +146,7 @@ def test_frames_without_robots_teach_nothing_and_show_nobody() -> None:
     assert names
     for name in names:
         image = read_image(REAL / "empty" / f"{name}.png")
-        with pytest.raises(VisionError, match="no tag (found|shows)"):
+        with pytest.raises(VisionError, match=r"no tag (found|shows)"):
             learn_colors((image,), nominal_eye(), NOMINAL)
         for teacher in TEACHERS:
             assert detections(taught_eye(teacher), "empty", name) == ()
