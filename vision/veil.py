@@ -14,17 +14,19 @@ from numpy.typing import NDArray
 from vision.compiled import compiled, compiled_part
 from vision.elimination import invert
 from vision.floor_map import PITCH, floor_at
-from vision.gauge import Gauge, Plane
+from vision.gauge import Gauge
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
-Flags = NDArray[np.bool_]
 
 _MOST_PIXELS = 900  # more are thinned out
 _ON, _CORE = 0.6, 0.8  # coverage of the tag, or of a part: a pixel is on it
 _OWN = 0.5  # weight of a pixel that is taken for the tag's own
-_NOISE_FLOOR = 1.0  # of a pixel's values [grey levels]
+_FLOOR = 0.995  # of a sample: then it tells nothing of the tag
+_NOTHING = 0.02  # a weight that makes no difference
+_CUT = 16.0  # squared normalised residual of a sample at which its weight is a quarter
+_ROUNDING = 1.0  # and what the templates leave out: variance of a sample [grey levels^2]
 _SHADE = 0.04  # by this share of its brightness a pixel may differ
 _TINT, _FREE = 0.15, 40.0  # spread of the parts' colours: relative; of the floor's [grey levels]
 _DARK = 8.0  # spread of black [grey levels]
@@ -51,18 +53,27 @@ class Known(NamedTuple):
 
 
 class _Room(NamedTuple):
-    """Samples: floor points (N, 2) from where the tag is expected, values (N, 3), weights (N,),
-    whether they can be the tag's or the floor's (N,); of a sample, coverages (2, K + 1) and slopes
-    (2, 2, K + 1) by pixel and colour template, and the design (K + 4,).
+    """Samples: floor points (N, 2) from where the tag is expected, values (N, 3). Of one sample:
+    coverages (2, K + 1) and slopes (2, 2, K + 1) by pixel and colour template; residuals and
+    slopes ahead, aside and by a turn (4, 3); a row of the design (K + 4,).
     """
 
     places: Floats
     values: Floats
-    weights: Floats
-    free: Flags
     covers: Floats
     slopes: Floats
+    seen: Floats
     design: Floats
+
+
+class _Sums(NamedTuple):
+    """Normal equations of K + 1 brightnesses and the pose, for each channel: matrices (3, M, M),
+    lower halves, and gradients (3, M); squared residuals and the samples' weight (4,).
+    """
+
+    normal: Floats
+    pull: Floats
+    squares: Floats
 
 
 @compiled
@@ -94,22 +105,21 @@ def fit_veiled(
     chroma = luma if separate else g.colors.cells[level, known.shape, 0]
     parts, size = luma.shape[2], 4 * (g.radius + 1) ** 2
     room = _Room(
-        np.empty((size, 2)), np.empty((size, 3)), np.ones(size), np.ones(size, np.bool_),
-        np.empty((2, parts + 1)), np.empty((2, 2, parts + 1)), np.empty(parts + 4),
+        np.empty((size, 2)), np.empty((size, 3)), np.empty((2, parts + 1)),
+        np.empty((2, 2, parts + 1)), np.empty((4, 3)), np.empty(parts + 4),
     )  # fmt: skip
     count = _collect(image, g, known, center, separate, room)
     typical, spread = np.empty((parts + 1, 3)), np.empty((parts + 1, 3))
     pose[:] = known.pose
     _expect(g, known, luma, count, separate, room, typical, spread)
     colors[:] = typical
-    hidden, misfit = 1.0, 0.0
+    hidden, misfit, m = 1.0, 0.0, parts + 4
+    sums = _Sums(np.empty((3, m, m)), np.empty((3, m)), np.empty(4))
     for step in range(len(slacks)):
         slack = np.maximum(known.spread * slacks[step], np.array((margin, margin, margin / g.arm)))
-        hidden, misfit = _weigh(g, luma, chroma, known, pose, colors, slack, count, room)
+        hidden, misfit = _sum_up(g, luma, chroma, known, pose, colors, slack, count, room, sums)
         prior = 1.0 if step < len(slacks) - 2 else 1e-6
-        _improve(
-            g, luma, chroma, known, typical, spread, prior, count, room, pose, colors, covariance
-        )
+        _solve(known, typical, spread, prior, sums, pose, colors, covariance)
     if not separate:
         _to_bgr(colors)
     return hidden, misfit
@@ -129,8 +139,9 @@ def _collect(
             if (x * 7 + y * 3) % stride or count >= len(room.places):
                 continue
             px, py = floor_at(g.nodes, x, y)
+            if not _is_free(px, py, known):
+                continue
             room.places[count, 0], room.places[count, 1] = px - known.pose[0], py - known.pose[1]
-            room.free[count] = _is_free(px, py, known)
             b, green, r = float(image[y, x, 0]), float(image[y, x, 1]), float(image[y, x, 2])
             if separate:
                 room.values[count, 0], room.values[count, 1], room.values[count, 2] = b, green, r
@@ -153,16 +164,12 @@ def _is_free(x: float, y: float, known: Known) -> bool:
 
 @compiled_part
 def _look(
-    cells: Singles, cell: float, place: Floats, known: Known, pose: Floats, covers: Floats,
-    slopes: Floats,
-) -> None:  # fmt: skip
-    """Coverages of the parts, and of the floor last, at a sample, with slopes [1/cell]."""
-    n, parts = cells.shape[0], cells.shape[2]
-    c, s = np.cos(pose[2]) / cell, np.sin(pose[2]) / cell
-    dx, dy = place[0] + known.pose[0] - pose[0], place[1] + known.pose[1] - pose[1]
-    last = n - 1.001
-    x = min(max(c * dx + s * dy + n // 2, 0.0), last)
-    y = min(max(c * dy - s * dx + n // 2, 0.0), last)
+    cells: Singles, cell: float, x: float, y: float, covers: Floats, slopes: Floats
+) -> None:
+    """Coverages of the parts, and of the floor last, at a place of the tag, and slopes [1/m]."""
+    n, parts, last = cells.shape[0], cells.shape[2], cells.shape[0] - 1.001
+    x = min(max(x / cell + n // 2, 0.0), last)
+    y = min(max(y / cell + n // 2, 0.0), last)
     i, j = int(x), int(y)
     u, v = x - i, y - j
     covers[parts], slopes[0, parts], slopes[1, parts] = 1.0, 0.0, 0.0
@@ -172,7 +179,7 @@ def _look(
         step, twist = two - one, (four - three) - (two - one)
         slope = (three - one) + u * twist
         covers[k] = one + u * step + v * slope
-        slopes[0, k], slopes[1, k] = step + v * twist, slope
+        slopes[0, k], slopes[1, k] = (step + v * twist) / cell, slope / cell
         covers[parts] -= covers[k]
         slopes[0, parts] -= slopes[0, k]
         slopes[1, parts] -= slopes[1, k]
@@ -188,14 +195,16 @@ def _expect(
     covers, slopes = room.covers[0], room.slopes[0]
     logs, floor, many, around = np.empty(count), np.empty((3, count)), 0, 0
     shown, own = np.empty(3), np.empty((parts, 3))
+    c, s = np.cos(known.pose[2]), np.sin(known.pose[2])
     for k in range(parts):
         b, green, r = known.colors[k, 0], known.colors[k, 1], known.colors[k, 2]
         own[k, 0], own[k, 1], own[k, 2] = b, green, r
         if not separate:
             _to_ycc(b, green, r, own[k])
     for n in range(count):
-        _look(luma, g.pixels.cell, room.places[n], known, known.pose, covers, slopes)
-        if covers[parts] > 0.97 and room.free[n]:
+        x, y = c * room.places[n, 0] + s * room.places[n, 1], c * room.places[n, 1] - s * room.places[n, 0]
+        _look(luma, g.pixels.cell, x, y, covers, slopes)
+        if covers[parts] > 0.97:
             for channel in range(3):
                 floor[channel, around] = room.values[n, channel]
             around += 1
@@ -226,116 +235,107 @@ def _expect(
 
 
 @compiled_part
-def _plane(g: Gauge, channel: int, separate: bool) -> tuple[float, float, float, int]:
-    """Cell, noise, weight and template of a channel."""
-    if separate:
-        return g.pixels.cell, g.pixels.noise[channel], 1.0, 0
-    if channel == 0:
-        return g.pixels.cell, g.pixels.noise[0], 1.0, 0
-    return g.colors.cell, g.colors.noise[channel - 1], 0.25 * g.colors.independence, 1
-
-
-@compiled_part
-def _weigh(
+def _sum_up(
     g: Gauge, luma: Singles, chroma: Singles, known: Known, pose: Floats, colors: Floats,
-    slack: Floats, count: int, room: _Room,
+    slack: Floats, count: int, room: _Room, sums: _Sums,
 ) -> tuple[float, float]:  # fmt: skip
-    """Weigh the samples by how strange they are; share of the tag's that are, rms of the rest."""
-    parts, separate = len(colors) - 1, len(g.pixels.noise) == 3
-    on, out, total, number = 0, 0, 0.0, 0.0
+    """Weigh the samples by how strange they are, and set up the normal equations of the others.
+
+    Returns:
+        Share of the tag's samples that are strange; rms of the others.
+    """
+    parts, on, out, total, number = len(colors) - 1, 0, 0, 0.0, 0
+    sums.normal[:], sums.pull[:], sums.squares[:] = 0.0, 0.0, 0.0
+    c, s = np.cos(pose[2]), np.sin(pose[2])
     for n in range(count):
-        _look(luma, g.pixels.cell, room.places[n], known, pose, room.covers[0], room.slopes[0])
-        if not separate:
-            _look(chroma, g.colors.cell, room.places[n], known, pose, room.covers[1],
-                  room.slopes[1])  # fmt: skip
-        x, y = room.places[n, 0] + known.pose[0] - pose[0], room.places[n, 1] + known.pose[1] - pose[1]
-        c, s = np.cos(pose[2]), np.sin(pose[2])
-        x, y = c * x + s * y, c * y - s * x
-        square = 0.0
-        for channel in range(3):
-            cell, noise, _, plane = _plane(g, channel, separate)
-            model, ahead, aside, bright = 0.0, 0.0, 0.0, 0.0
-            for k in range(parts + 1):
-                model += room.covers[plane, k] * colors[k, channel]
-                ahead += room.slopes[plane, 0, k] * colors[k, channel] / cell
-                aside += room.slopes[plane, 1, k] * colors[k, channel] / cell
-                bright += room.covers[plane, k] * abs(colors[k, channel])
-            off = room.values[n, channel] - model
-            turn = x * aside - y * ahead
-            allowed = (
-                noise**2 + _NOISE_FLOOR + (_SHADE * bright) ** 2 + (slack[0] * ahead) ** 2
-                + (slack[1] * aside) ** 2 + (slack[2] * turn) ** 2
-            )  # fmt: skip
-            square += off * off / allowed
+        dx = room.places[n, 0] + known.pose[0] - pose[0]
+        dy = room.places[n, 1] + known.pose[1] - pose[1]
+        x, y = c * dx + s * dy, c * dy - s * dx
+        _look(luma, g.pixels.cell, x, y, room.covers[0], room.slopes[0])
+        if room.covers[0, parts] > _FLOOR:
+            continue
+        if len(g.pixels.noise) == 1:
+            _look(chroma, g.colors.cell, x, y, room.covers[1], room.slopes[1])
+        square = _compare(g, x, y, room.values[n], colors, slack, room)
         weight = (_CUT / (_CUT + square)) ** 2
-        if not room.free[n]:
-            weight = 0.0
-        elif room.covers[0, parts] < 1.0 - _ON:
+        if room.covers[0, parts] < 1.0 - _ON:
             on += 1
-            out += weight < _OWN
-            if weight >= _OWN:
-                total, number = total + square, number + 3.0
-        room.weights[n] = weight
-    return out / max(on, 1), np.sqrt(total / max(number, 1.0))
-
-
-_CUT = 16.0  # sum of three squared normalised residuals at which a weight is a quarter
+            if weight < _OWN:
+                out += 1
+            else:
+                total, number = total + square, number + 3
+        if weight > _NOTHING:
+            _add(g, weight, room, sums)
+    return out / max(on, 1), np.sqrt(total / max(number, 1))
 
 
 @compiled_part
-def _improve(
-    g: Gauge, luma: Singles, chroma: Singles, known: Known, typical: Floats, spread: Floats,
-    prior: float, count: int, room: _Room, pose: Floats, colors: Floats, covariance: Floats,
-) -> None:  # fmt: skip
-    """A Gauss-Newton step of pose and colours, the colours eliminated."""
-    parts, separate = len(colors) - 1, len(g.pixels.noise) == 3
-    m = parts + 4
-    normal, pull = np.zeros((3, m, m)), np.zeros((3, m))
-    c, s = np.cos(pose[2]), np.sin(pose[2])
-    design, squares, weights = room.design, np.zeros(3), 0.0
-    for n in range(count):
-        weight = room.weights[n]
-        if weight < 0.02:
-            continue
-        _look(luma, g.pixels.cell, room.places[n], known, pose, room.covers[0], room.slopes[0])
-        if room.covers[0, parts] > 0.999:
-            continue
-        if not separate:
-            _look(chroma, g.colors.cell, room.places[n], known, pose, room.covers[1],
-                  room.slopes[1])  # fmt: skip
-        x, y = room.places[n, 0] + known.pose[0] - pose[0], room.places[n, 1] + known.pose[1] - pose[1]
-        x, y = c * x + s * y, c * y - s * x
-        weights += weight
-        for channel in range(3):
-            cell, noise, share, plane = _plane(g, channel, separate)
-            off, ahead, aside = room.values[n, channel], 0.0, 0.0
-            for k in range(parts + 1):
-                design[k] = room.covers[plane, k]
-                off -= design[k] * colors[k, channel]
-                ahead -= room.slopes[plane, 0, k] * colors[k, channel] / cell
-                aside -= room.slopes[plane, 1, k] * colors[k, channel] / cell
-            design[parts + 1], design[parts + 2] = ahead, aside
-            design[parts + 3] = x * aside - y * ahead
-            factor = weight * share / (noise**2 + _NOISE_FLOOR)
-            squares[channel] += weight * off * off / (noise**2 + _NOISE_FLOOR)
-            for j in range(m):
-                pull[channel, j] += factor * design[j] * off
-                for k in range(j + 1):
-                    normal[channel, j, k] += factor * design[j] * design[k]
-    _solve(known, typical, spread, prior, normal, pull, squares, weights, pose, colors, covariance)
+def _compare(
+    g: Gauge, x: float, y: float, value: Floats, colors: Floats, slack: Floats, room: _Room
+) -> float:
+    """Residuals and slopes of a sample into the room; the squared residual, normalised."""
+    square, parts = 0.0, len(colors) - 1
+    for channel in range(3):
+        noise, _, plane = _plane(g, channel)
+        off, ahead, aside, bright = value[channel], 0.0, 0.0, 0.0
+        for k in range(parts + 1):
+            color = colors[k, channel]
+            off -= room.covers[plane, k] * color
+            ahead -= room.slopes[plane, 0, k] * color
+            aside -= room.slopes[plane, 1, k] * color
+            bright += room.covers[plane, k] * abs(color)
+        turn = x * aside - y * ahead
+        room.seen[0, channel], room.seen[1, channel] = off, ahead
+        room.seen[2, channel], room.seen[3, channel] = aside, turn
+        allowed = (
+            noise + (_SHADE * bright) ** 2 + (slack[0] * ahead) ** 2 + (slack[1] * aside) ** 2
+            + (slack[2] * turn) ** 2
+        )  # fmt: skip
+        square += off * off / allowed
+    return square
+
+
+@compiled_part
+def _add(g: Gauge, weight: float, room: _Room, sums: _Sums) -> None:
+    """Add a sample to the normal equations."""
+    kinds, design = room.covers.shape[1], room.design
+    sums.squares[3] += weight
+    for channel in range(3):
+        noise, share, plane = _plane(g, channel)
+        off = room.seen[0, channel]
+        for k in range(kinds):
+            design[k] = room.covers[plane, k]
+        for k in range(3):
+            design[kinds + k] = room.seen[1 + k, channel]
+        sums.squares[channel] += weight * off * off / noise
+        factor = weight * share / noise
+        for j in range(kinds + 3):
+            one = factor * design[j]
+            sums.pull[channel, j] += one * off
+            for k in range(j + 1):
+                sums.normal[channel, j, k] += one * design[k]
+
+
+@compiled_part
+def _plane(g: Gauge, channel: int) -> tuple[float, float, int]:
+    """Variance, independence and template of a channel."""
+    if len(g.pixels.noise) == 3:
+        return g.pixels.noise[channel] ** 2 + _ROUNDING, 1.0, 0
+    if channel == 0:
+        return g.pixels.noise[0] ** 2 + _ROUNDING, 1.0, 0
+    return g.colors.noise[channel - 1] ** 2 + _ROUNDING, 0.25 * g.colors.independence, 1
 
 
 @compiled_part
 def _solve(
-    known: Known, typical: Floats, spread: Floats, prior: float, normal: Floats, pull: Floats,
-    squares: Floats, weights: float, pose: Floats, colors: Floats, covariance: Floats,
+    known: Known, typical: Floats, spread: Floats, prior: float, sums: _Sums, pose: Floats, colors: Floats, covariance: Floats,
 ) -> None:  # fmt: skip
     """Solve the normal equations (3, M, M), lower halves, and take the step."""
-    parts = len(colors) - 1
+    parts, normal, pull = len(colors) - 1, sums.normal, sums.pull
     own, step, c, s = np.zeros((3, 3)), np.zeros(3), np.cos(pose[2]), np.sin(pose[2])
     inverses, work = np.empty((3, parts + 1, parts + 1)), np.empty((parts + 1, parts + 1))
     for channel in range(3):
-        scale = (20.0 + weights) / (20.0 + squares[channel])  # residuals tell the noise
+        scale = (20.0 + sums.squares[3]) / (20.0 + sums.squares[channel])  # residuals tell the noise
         for k in range(parts + 1):
             for j in range(k + 1):
                 work[k, j] = work[j, k] = scale * normal[channel, k, j]
