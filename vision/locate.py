@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
-from vision.covered import LEAST, doubtful_px, fit_uncovered
+from vision.covered import doubtful_px, follow_up, uncover
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
@@ -24,8 +24,6 @@ Flags = NDArray[np.bool_]
 Indices = NDArray[np.intp]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
-_SURPRISE, _SURPRISE_RAD = 0.003, 0.1  # from where a robot is expected: a fit stays there
-_UNSURE = np.diag((0.002**2, 0.002**2, 0.06**2))  # of a doubtful fit that did [m^2, rad^2]
 _SLACK = 3.0  # in the light on robots that are where they are expected
 _STEPS, _SEARCH_STEPS = 8, 16  # at most, of Gauss-Newton; 2 or 3 are usual
 
@@ -93,17 +91,13 @@ def _follow(
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
     lately = np.array([p.reach == 0.0 for p in known])
-    limit = doubtful_px(light.misfit_px)
-    clean, stayed = fit.residual_px < limit, _stayed(fit.poses, poses)
-    fit.covariances[lately & ~clean & stayed] += _UNSURE
-    doubtful = np.flatnonzero(lately & ~(verdict.good & (clean | stayed)))
+    plain = verdict.good & (fit.residual_px < doubtful_px(light.misfit_px))
+    doubtful = np.flatnonzero(lately & ~plain)
     if len(doubtful):
-        seen = fit_uncovered(frame.image, eye, start.shapes[doubtful], poses[doubtful])
-        veiled = seen.hidden > LEAST
-        plain = veiled & seen.plain(limit)
-        _replace(fit, doubtful[plain], seen.fit, plain)
+        followed = follow_up(tags, poses, known)
+        veiled = uncover(frame.image, eye, fit, followed, doubtful, light.gains)
         verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
-        verdict.refuse_covered(doubtful[veiled & ~plain], seen.hidden[veiled & ~plain])
+        verdict.refuse_covered(*veiled)
     chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
     light = taught(light, light_ratios(fit, chosen, eye))
     return detections_of(verdict, fit, chosen, eye), rejected, light
@@ -151,20 +145,6 @@ def _search(
 
 
 _NOWHERE = np.zeros((0, 2))
-
-
-def _replace(fit: Fit, chosen: Indices, other: Fit, rows: Flags) -> None:
-    """Put rows of another fit in the place of some."""
-    fit.poses[chosen], fit.covariances[chosen] = other.poses[rows], other.covariances[rows]
-    fit.residual_px[chosen], fit.colors[chosen] = other.residual_px[rows], other.colors[rows]
-
-
-def _stayed(poses: Floats, expected: Floats) -> Flags:
-    """Which poses (N, 3) are where they were expected, as far as a tracked robot's can be told."""
-    away = poses - expected
-    turn = (away[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
-    near = np.hypot(away[:, 0], away[:, 1]) < _SURPRISE
-    return np.asarray(near & (np.abs(turn) < _SURPRISE_RAD))
 
 
 def _near(poses: Floats, places: Floats, reach: float) -> Flags:

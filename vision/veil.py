@@ -22,13 +22,13 @@ Bytes = NDArray[np.uint8]
 
 _MOST_PIXELS = 900  # more are thinned out
 _ON, _CORE = 0.6, 0.8  # coverage of the tag, or of a part: a pixel is on it
-_OWN = 0.5  # weight of a pixel that is taken for the tag's own
+_OWN = 0.15  # weight of a pixel that may be the tag's own, at least
 _FLOOR = 0.995  # of a sample: then it tells nothing of the tag
 _NOTHING = 0.02  # a weight that makes no difference
-_CUT = 16.0  # squared normalised residual of a sample at which its weight is a quarter
+_CUT = 9.0  # squared normalised residual of a sample at which its weight is a quarter
 _ROUNDING = 1.0  # and what the templates leave out: variance of a sample [grey levels^2]
 _SHADE = 0.04  # by this share of its brightness a pixel may differ
-_TINT, _FREE = 0.15, 40.0  # spread of the parts' colours: relative; of the floor's [grey levels]
+_TINT, _FREE = 0.1, 40.0  # spread of the parts' colours: relative; of the floor's [grey levels]
 _DARK = 8.0  # spread of black [grey levels]
 
 
@@ -40,8 +40,7 @@ class Known(NamedTuple):
         pose: shape (3,), where it is expected [m, m, rad].
         spread: shape (3,), standard deviations of that [m, m, rad].
         colors: shape (K, 3), BGR of its parts in the present light; 0 for black.
-        plates: shape (P, 3), poses of robots beside it [m, m, rad].
-        half: half the side of their plates [m].
+        plates: shape (P, V, 2), corners of the plates of robots beside it, convex [m].
     """
 
     shape: int
@@ -49,7 +48,6 @@ class Known(NamedTuple):
     spread: Floats
     colors: Floats
     plates: Floats
-    half: float
 
 
 class _Room(NamedTuple):
@@ -68,7 +66,8 @@ class _Room(NamedTuple):
 
 class _Sums(NamedTuple):
     """Normal equations of K + 1 brightnesses and the pose, for each channel: matrices (3, M, M),
-    lower halves, and gradients (3, M); squared residuals and the samples' weight (4,).
+    lower halves, and gradients (3, M); squared residuals, the samples' weight, and squared slopes
+    (5,).
     """
 
     normal: Floats
@@ -95,7 +94,8 @@ def fit_veiled(
         colors: shape (K + 1, 3), receives BGR of the parts and the floor.
 
     Returns:
-        Share of the tag's pixels that are not its own; rms of the others' residuals, normalised.
+        Share of the tag's pixels that are not its own; rms misfit of the others as a displacement of
+        edges [m].
     """
     rows, columns = g.level.shape
     row = int(min(max(center[1] / PITCH + 0.5, 0.0), rows - 1.0))
@@ -113,16 +113,16 @@ def fit_veiled(
     pose[:] = known.pose
     _expect(g, known, luma, count, separate, room, typical, spread)
     colors[:] = typical
-    hidden, misfit, m = 1.0, 0.0, parts + 4
-    sums = _Sums(np.empty((3, m, m)), np.empty((3, m)), np.empty(4))
+    hidden, m = 1.0, parts + 4
+    sums = _Sums(np.empty((3, m, m)), np.empty((3, m)), np.empty(5))
     for step in range(len(slacks)):
         slack = np.maximum(known.spread * slacks[step], np.array((margin, margin, margin / g.arm)))
-        hidden, misfit = _sum_up(g, luma, chroma, known, pose, colors, slack, count, room, sums)
+        hidden = _sum_up(g, luma, chroma, known, pose, colors, slack, count, room, sums)
         prior = 1.0 if step < len(slacks) - 2 else 1e-6
         _solve(known, typical, spread, prior, sums, pose, colors, covariance)
     if not separate:
         _to_bgr(colors)
-    return hidden, misfit
+    return hidden, np.sqrt(sums.squares[:3].sum() / max(sums.squares[4], 1e-9))
 
 
 @compiled_part
@@ -139,7 +139,7 @@ def _collect(
             if (x * 7 + y * 3) % stride or count >= len(room.places):
                 continue
             px, py = floor_at(g.nodes, x, y)
-            if not _is_free(px, py, known):
+            if not _is_free(px, py, known.plates):
                 continue
             room.places[count, 0], room.places[count, 1] = px - known.pose[0], py - known.pose[1]
             b, green, r = float(image[y, x, 0]), float(image[y, x, 1]), float(image[y, x, 2])
@@ -152,12 +152,17 @@ def _collect(
 
 
 @compiled_part
-def _is_free(x: float, y: float, known: Known) -> bool:
-    """Whether a floor point lies on none of the plates beside a tag."""
-    for n in range(len(known.plates)):
-        dx, dy = x - known.plates[n, 0], y - known.plates[n, 1]
-        c, s = np.cos(known.plates[n, 2]), np.sin(known.plates[n, 2])
-        if max(abs(c * dx + s * dy), abs(c * dy - s * dx)) < known.half:
+def _is_free(x: float, y: float, plates: Floats) -> bool:
+    """Whether a floor point lies on none of some convex plates (P, V, 2)."""
+    corners = plates.shape[1]
+    for n in range(len(plates)):
+        left, right = False, False
+        for k in range(corners):
+            x0, y0 = plates[n, k, 0], plates[n, k, 1]
+            x1, y1 = plates[n, (k + 1) % corners, 0], plates[n, (k + 1) % corners, 1]
+            side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+            left, right = left or side > 0.0, right or side < 0.0
+        if not (left and right):
             return False
     return True
 
@@ -238,13 +243,9 @@ def _expect(
 def _sum_up(
     g: Gauge, luma: Singles, chroma: Singles, known: Known, pose: Floats, colors: Floats,
     slack: Floats, count: int, room: _Room, sums: _Sums,
-) -> tuple[float, float]:  # fmt: skip
-    """Weigh the samples by how strange they are, and set up the normal equations of the others.
-
-    Returns:
-        Share of the tag's samples that are strange; rms of the others.
-    """
-    parts, on, out, total, number = len(colors) - 1, 0, 0, 0.0, 0
+) -> float:  # fmt: skip
+    """Weigh the samples, and set up their normal equations; share of the tag's that are strange."""
+    parts, on, out = len(colors) - 1, 0, 0
     sums.normal[:], sums.pull[:], sums.squares[:] = 0.0, 0.0, 0.0
     c, s = np.cos(pose[2]), np.sin(pose[2])
     for n in range(count):
@@ -260,13 +261,10 @@ def _sum_up(
         weight = (_CUT / (_CUT + square)) ** 2
         if room.covers[0, parts] < 1.0 - _ON:
             on += 1
-            if weight < _OWN:
-                out += 1
-            else:
-                total, number = total + square, number + 3
+            out += weight < _OWN
         if weight > _NOTHING:
             _add(g, weight, room, sums)
-    return out / max(on, 1), np.sqrt(total / max(number, 1))
+    return out / max(on, 1)
 
 
 @compiled_part
@@ -308,6 +306,7 @@ def _add(g: Gauge, weight: float, room: _Room, sums: _Sums) -> None:
         for k in range(3):
             design[kinds + k] = room.seen[1 + k, channel]
         sums.squares[channel] += weight * off * off / noise
+        sums.squares[4] += weight * (design[kinds] ** 2 + design[kinds + 1] ** 2) / noise
         factor = weight * share / noise
         for j in range(kinds + 3):
             one = factor * design[j]
