@@ -16,6 +16,7 @@ from vision.light import PALETTE_LIGHT, Light, refitted, relit, taught, watched
 from vision.pose import Fit, fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
+from vision.shortlist import fit_best
 
 __all__ = ["Prediction", "locate"]
 
@@ -27,7 +28,7 @@ _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SURPRISE, _SURPRISE_RAD = 0.003, 0.1  # from where a robot is expected: a fit stays there
 _UNSURE = np.diag((0.002**2, 0.002**2, 0.06**2))  # of a doubtful fit that did [m^2, rad^2]
 _SLACK = 3.0  # in the light on robots that are where they are expected
-_STEPS, _SEARCH_STEPS = 8, 16  # at most, of Gauss-Newton; 2 or 3 are usual
+_STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
 def locate(
@@ -126,15 +127,8 @@ def _search(
     candidates, rejected = propose(blobs, classes, eye, np.ones_like(missing))
     if len(candidates) == 0:
         return (), rejected
+    candidates, fit = fit_best(frame.image, eye, candidates)
     possible = np.tile(missing, (len(candidates), 1))
-    fit = fit_poses(
-        frame.image,
-        eye.gauge,
-        candidates.shapes,
-        candidates.poses,
-        candidates.centers,
-        _SEARCH_STEPS,
-    )
     verdict = judge(fit, candidates, eye, possible, light.gains)
     if found:
         anybody = judge(fit, candidates, eye, np.ones_like(possible), light.gains)
