@@ -113,7 +113,9 @@ def _clouds(rng: np.random.Generator) -> tuple[str, NDArray[np.float64]]:
     noise = rng.normal(0.0, 1.0, (*_SIZE_PX[::-1], 3))
     clouds = cv2.GaussianBlur(noise, (0, 0), blur)
     image = rng.uniform(60, 190, 3) + contrast * clouds / clouds.std()
-    return f"clouds {blur:g} px", image + rng.normal(0.0, float(rng.choice((0.0, 3.0))), clouds.shape)
+    return f"clouds {blur:g} px", image + rng.normal(
+        0.0, float(rng.choice((0.0, 3.0))), clouds.shape
+    )
 
 
 _KINDS = (_clouds, _white, _clouds, _grey, _clouds, _gaussian)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
 from vision.covered import LEAST, doubtful_px, fit_uncovered
+from vision.evidence import refuse_unlike
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
@@ -128,12 +129,11 @@ def _search(
     if len(candidates) == 0:
         return (), rejected
     candidates, fit = fit_best(frame.image, eye, candidates)
-    possible = np.tile(missing, (len(candidates), 1))
-    verdict = judge(fit, candidates, eye, possible, light.gains)
+    everybody = np.ones((len(candidates), len(missing)), np.bool_)
+    verdict = judge(fit, candidates, eye, everybody, light.gains)
     if found:
-        anybody = judge(fit, candidates, eye, np.ones_like(possible), light.gains)
-        twice = np.flatnonzero(anybody.good & ~verdict.good)
-        verdict.twice[twice] = anybody.scores[twice].argmax(axis=1)
+        verdict.keep(missing, eye.thresholds.confidence)
+    refuse_unlike(verdict, fit, candidates.shapes, classes, eye, light.misfit_px)
     tracked = known.places[missing & (known.reach == 0.0)]
     veiled = _near(fit.poses, tracked, eye.radius) & (
         fit.residual_px > doubtful_px(light.misfit_px)

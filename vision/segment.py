@@ -77,10 +77,10 @@ def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes
                 at += 1
                 continue
             while at < end and flat[at] == kind:
-                if row > 0 and flat[at - columns] == kind:
-                    if at == first or flat[at - columns - 1] != kind:
-                        other = _root(parent, above[at - start])
-                        label = other if label < 0 else _joined(parent, label, other)
+                same = row > 0 and flat[at - columns] == kind
+                if same and (at == first or flat[at - columns - 1] != kind):
+                    other = _root(parent, above[at - start])
+                    label = other if label < 0 else _joined(parent, label, other)
                 at += 1
             if label < 0:
                 label, parent[count], kinds[count] = count, count, kind

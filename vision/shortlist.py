@@ -18,7 +18,7 @@ _STEPS = 16  # at most, of Gauss-Newton; 2 or 3 are usual
 _ROUNDS = (2, 2, 4, 8)  # steps, if there are many candidates: ever fewer of them go on
 _SHARE = 0.5  # of the steps that are left, for each of these rounds
 _SETTLED_PX = 0.1  # who moved less in a round is not fitted further
-_EFFORT, _EFFORT_PER_TAG = 80, 8  # steps of a frame: in all, and per tag and pair of anchors
+_EFFORT, _EFFORT_PER_TAG = 56, 8  # steps of a frame: in all, and per tag and pair of anchors
 
 
 def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates, Fit]:
