@@ -228,10 +228,9 @@ def _keep_distinct(
     for n in range(len(shapes)):
         alone = count < most
         for before in kept[:count]:
-            away = np.hypot(poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1])
-            same = np.cos(poses[n, 2] - poses[before, 2]) > turn
-            if shapes[n] == shapes[before] and away < place and same:
-                alone = False
+            dx, dy = poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1]
+            if dx * dx + dy * dy < place * place and shapes[n] == shapes[before]:
+                alone = alone and np.cos(poses[n, 2] - poses[before, 2]) <= turn
         if alone:
             kept[count] = n
             count += 1

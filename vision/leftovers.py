@@ -46,7 +46,7 @@ def _are_alone(places: Floats, others: Floats, reach: float) -> NDArray[np.bool_
     alone = np.ones(len(places), np.bool_)
     for n in range(len(places)):
         for x, y in others:
-            if np.hypot(places[n, 0] - x, places[n, 1] - y) < reach:
+            if (places[n, 0] - x) ** 2 + (places[n, 1] - y) ** 2 < reach * reach:
                 alone[n] = False
                 break
     return alone
@@ -98,8 +98,8 @@ def _keep_apart(places: Floats, others: Floats, reach: float, chosen: Indices) -
         if count == len(chosen):
             break
         for before in chosen[:count]:
-            away = places[n] - places[before]
-            free[n] = free[n] and not np.hypot(away[0], away[1]) < reach
+            dx, dy = places[n, 0] - places[before, 0], places[n, 1] - places[before, 1]
+            free[n] = free[n] and not dx * dx + dy * dy < reach * reach
         if free[n]:
             chosen[count] = n
             count += 1

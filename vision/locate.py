@@ -140,7 +140,9 @@ def _search(
     )
     verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
-    chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
+    told = eye.tags.look_alikes or np.isfinite(known.places).any()
+    among = known if told else None
+    chosen, reasons = assign(verdict, fit, candidates, eye, taken, among)
     return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 

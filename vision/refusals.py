@@ -1,6 +1,6 @@
 """Why fitted candidates are not accepted, with the numbers that decided."""
 
-from math import degrees
+from math import degrees, isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +75,7 @@ def _misfit(residual_px: float, against: Floats, eye: Eye, tag: int) -> str:
         return f"misfit of {residual_px:.2f} px, limit {limit_px:.2f} px"
     if not against.any():
         return "nothing to be seen here that tells where the tag is"
-    misfit, colors, plate = np.sqrt(against).tolist()
+    misfit, colors, plate = against.tolist()
     return (
         f"little like robot {eye.tags.ids[tag]}: squares of misfit ({residual_px:.2f} px) "
         f"{misfit:.2f}, colours elsewhere {colors:.2f} and light on the plate {plate:.2f} "
@@ -108,5 +108,5 @@ def _color_reason(colors: Floats, shape: int, scores: Floats, eye: Eye) -> str:
 
 
 def _rejection(verdict: Verdict, n: int, reason: str) -> Rejection:
-    x, y, _ = np.nan_to_num(verdict.screen[n]).tolist()
-    return Rejection(x, y, reason)
+    x, y, _ = verdict.screen[n].tolist()
+    return Rejection(x if isfinite(x) else 0.0, y if isfinite(y) else 0.0, reason)
