@@ -22,6 +22,7 @@ Indices = NDArray[np.intp]
 _MISFIT, _LEAST_MISFIT, _MOST_MISFIT_PX = 0.048, 0.0215, 0.86  # too much, of the tag's side
 _BLUR, _NOISE = 0.25, 1.0 / 60.0  # and what is usual: per px of blur, per grey level of noise [px]
 _USUAL = 1.5  # and what is usual with this camera, times
+_SOME = 3  # tags tell what is usual, at least
 _WRONG = 0.62  # share of points with another colour that is too much
 _BRIGHT = 1.5  # light on the plate over that on the parts that is too much
 
@@ -53,12 +54,17 @@ def refuse_unlike(
         shapes: shape (N,), geometry of the candidates.
         classes: shape (H, W), class image.
         eye: tags, sharpness and noise.
-        usual_px: misfit of tags through this camera, 0 if nobody knows [px].
+        usual_px: misfit of tags through this camera, 0 if nobody knows: then those that are tags
+            beyond doubt tell it, if there are some [px].
     """
     _measure(
         fit.poses, fit.colors, fit.residual_px, shapes, verdict.screen, verdict.scores, classes,
         eye.gauge.nodes, eye.looks, too_much_px(eye, usual_px), verdict.good, verdict.unlike,
     )  # fmt: skip
+    some = verdict.good & (verdict.unlike.sum(axis=1) < 1.0)
+    if usual_px == 0.0 and np.count_nonzero(some) >= _SOME:
+        before, usual_px = too_much_px(eye, 0.0), float(np.median(fit.residual_px[some]))
+        verdict.unlike[:, 0] *= (before / too_much_px(eye, usual_px)) ** 2
     verdict.good[verdict.unlike.sum(axis=1) >= 1.0] = False
 
 
