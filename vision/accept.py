@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.geometry import Pose2D, wrap_angle
-from vision.assignment import REPEATED, settle
-from vision.compiled import compiled
+from vision.assignment import REPEATED, all_sure, settle
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.identify import Candidates
 from vision.identity import Expectation, tell_apart
@@ -53,18 +53,12 @@ def judge(
         np.empty(count), np.empty(count), np.empty((count, 3)), np.zeros(count),
         np.full(count, -1), np.zeros((count, 3)),
     )  # fmt: skip
-    score_colors(
-        fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
-        verdict.scores,
-    )  # fmt: skip
-    _to_screen(
-        fit.poses, candidates.shapes, eye.looks, eye.camera.lens, eye.camera.tag_height,
-        eye.camera.size_px, verdict.screen, verdict.overhang,
-    )  # fmt: skip
-    _compare(
-        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang,
-        verdict.scores, eye.radius,
-        eye.most_residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
+    _judge(
+        fit.poses, fit.covariances, fit.residual_px, fit.colors, candidates.shapes,
+        candidates.poses, eye.looks, eye.camera.lens, eye.camera.tag_height, eye.camera.size_px,
+        gains, possible, slack * limits.light_spread, eye.radius, eye.most_residual_px,
+        limits.confidence, verdict.scores, verdict.screen, verdict.overhang, verdict.moved,
+        verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
 
@@ -92,12 +86,12 @@ def assign(
         Index of the tag of every candidate, negative for none, shape (N,); rejections.
     """
     nearest = 2.0 * _APART * min(shape.inner_radius for shape in eye.shapes)
-    order = np.lexsort((fit.residual_px, ~verdict.good))
-    places = np.ascontiguousarray(fit.poses[:, :2])
-    tags = settle(verdict.scores, verdict.good, order, places, taken, nearest)
+    tags = settle(verdict.scores, verdict.good, fit.residual_px, fit.poses, taken, nearest)
     if known is not None:
-        claims = verdict.good & (tags != REPEATED)
+        claims, places = verdict.good & (tags != REPEATED), np.ascontiguousarray(fit.poses[:, :2])
         tell_apart(tags, verdict.scores, claims, places, np.array(eye.tags.alike), known)
+    if all_sure(verdict.scores, tags, eye.thresholds.confidence):
+        return tags, ()
     rows = np.flatnonzero(tags >= 0)
     unsure = verdict.scores[rows, tags[rows]] < eye.thresholds.confidence
     refused = [*np.flatnonzero((tags < 0) & (tags != REPEATED)).tolist(), *rows[unsure].tolist()]
@@ -149,6 +143,23 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
 
 
 @compiled
+def _judge(
+    poses: Floats, covariances: Floats, residual_px: Floats, colors: Floats, shapes: Indices,
+    starts: Floats, looks: Looks, lens: Lens, height: float, size_px: tuple[int, int],
+    gains: Floats, possible: NDArray[np.bool_], spread: float, radius: float, most_px: float,
+    confidence: float, scores: Floats, screen: Floats, overhang: Floats, moved: Floats,
+    sound: NDArray[np.bool_], good: NDArray[np.bool_],
+) -> None:  # fmt: skip
+    """Score the colours, find the places on the screen, and hold all against the thresholds."""
+    score_colors(colors, shapes, looks, gains, possible, spread, scores)
+    _to_screen(poses, shapes, looks, lens, height, size_px, screen, overhang)
+    _compare(
+        poses, starts, covariances, residual_px, overhang, scores, radius, most_px, confidence,
+        moved, sound, good,
+    )  # fmt: skip
+
+
+@compiled_part
 def _compare(
     poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats,
     scores: Floats,
@@ -164,7 +175,7 @@ def _compare(
         good[n] = sound[n] and scores[n].max() >= confidence
 
 
-@compiled
+@compiled_part
 def _to_screen(
     poses: Floats, shapes: Indices, looks: Looks, lens: Lens, height: float,
     size_px: tuple[int, int], screen: Floats, overhang: Floats,

@@ -5,7 +5,6 @@ from math import hypot, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
 from vision.covered import LEAST, doubtful_px, fit_uncovered
 from vision.evidence import refuse_unlike
@@ -29,7 +28,7 @@ _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SURPRISE, _SURPRISE_RAD = 0.003, 0.1  # from where a robot is expected: a fit stays there
 _UNSURE = np.diag((0.002**2, 0.002**2, 0.06**2))  # of a doubtful fit that did [m^2, rad^2]
 _SLACK = 3.0  # in the light on robots that are where they are expected
-_STEPS = 8  # at most, of Gauss-Newton; 2 or 3 are usual
+_STEPS = 12  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
 def locate(
@@ -83,7 +82,7 @@ def _follow(
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
     """Fit the predicted robots where they are expected; they tell the light."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
-    known = [p for p in predictions if p.robot_id in index and _is_near(p.pose, eye)]
+    known = _near_camera([p for p in predictions if p.robot_id in index], eye)
     if not known:
         return (), (), light
     tags = np.array([index[p.robot_id] for p in known])
@@ -175,10 +174,15 @@ def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:
     return np.array([robot_id not in seen for robot_id in eye.tags.ids])
 
 
-def _is_near(pose: Pose2D, eye: Eye) -> bool:
-    """Whether a prediction is finite and within the camera's world; False for nan."""
+def _near_camera(predictions: list[Prediction], eye: Eye) -> list[Prediction]:
+    """Predictions that are finite and within the camera's world."""
     x, y, height = eye.camera.position.tolist()
-    return hypot(pose.x - x, pose.y - y) < _WORLD * height and abs(pose.theta) < inf
+    reach = _WORLD * height
+    return [
+        p
+        for p in predictions
+        if hypot(p.pose.x - x, p.pose.y - y) < reach and abs(p.pose.theta) < inf
+    ]
 
 
 def _unexplained(blobs: Blobs, found: tuple[Detection, ...], eye: Eye) -> Blobs:
