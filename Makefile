@@ -25,7 +25,7 @@ live: install
 	$(BIN)/echelon live paper --view $(VIEW) --record $(BUILD)/live.mcap --report $(BUILD)/report
 
 test: install
-	$(BIN)/python -m pytest $(ARGS)
+	$(BIN)/python -m tests $(ARGS)
 
 check: install
 	$(BIN)/ruff check .

@@ -12,10 +12,11 @@ from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_markers, make_tags, nominal_colors
 from pipeline.notice import told_after
+from pipeline.rehearsal import rehearse
 from vision.aruco import ArucoDetector
 from vision.calibration.learned import Print, palette_from_samples
 from vision.camera import CameraModel
-from vision.detector import ColorDetector, Detector, warm_up
+from vision.detector import ColorDetector, Detector
 from vision.errors import VisionError
 from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
@@ -95,7 +96,7 @@ def make_seeing(scenario: Scenario) -> Seeing:
         floor_known = scenario.camera.floor_known
         detector = build(camera)
         with told_after(PATIENCE, COMPILING):
-            warm_up(detector)
+            rehearse(detector)
         return Seeing(scenario.name, camera, floor_known, tags, any_size, detector, build)
     except VisionError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None

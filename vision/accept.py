@@ -1,65 +1,28 @@
 """Fitted candidates: accepted, one per robot, or rejected with the numbers that decided."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from control.geometry import Pose2D, wrap_angle
-from vision.assignment import REPEATED, settle
-from vision.compiled import compiled
+from vision.assignment import REPEATED, all_sure, settle
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.identify import Candidates
 from vision.identity import Expectation, tell_apart
 from vision.pose import Fit
 from vision.projection import Lens, project_point
+from vision.refusals import BORDER_PX, refusals
 from vision.scene import Detection, PixelPose, Rejection
-from vision.scoring import color_ratios, compare_color, score_colors
+from vision.scoring import color_ratios, score_colors
 from vision.shapes import Looks
+from vision.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_BORDER_PX = 0.25  # a tag may reach so far beyond the image
 _VAGUE = 0.3  # a place known to this share of the radius only is none: nothing is seen there
 _APART = 0.85  # plates nearer than this share of their width are two readings of one place
 _AHEAD = 1e-3  # points so far before and behind the centre give the heading on the screen [m]
-
-
-@dataclass(frozen=True, slots=True)
-class Verdict:
-    """Scores of fitted candidates.
-
-    Attributes:
-        scores: shape (N, T), probability that candidate n has the colours of tag t rather than any
-            colours, 0 where it is not possible.
-        sound: shape (N,), whether place and misfit are those of a tag, whatever the colours.
-        good: shape (N,), whether the candidate can be accepted.
-        moved: shape (N,), way of the fit from where it began [m].
-        overhang: shape (N,), how far the plate reaches beyond the image [px].
-        screen: shape (N, 3), where they are in the image [px, px, rad].
-        hidden: shape (N,), share that is covered of tags that are refused for it, else 0.
-        twice: shape (N,), index of the tag of a robot already found that they look like, else -1.
-    """
-
-    scores: Floats
-    sound: NDArray[np.bool_]
-    good: NDArray[np.bool_]
-    moved: Floats
-    overhang: Floats
-    screen: Floats
-    hidden: Floats
-    twice: Indices
-
-    def refuse_covered(self, chosen: Indices, hidden: Floats) -> None:
-        """Refuse candidates of which too much is covered.
-
-        Args:
-            chosen: shape (R,), their indices.
-            hidden: shape (R,), share of each that is covered.
-        """
-        self.hidden[chosen] = hidden
-        self.good[chosen] = self.sound[chosen] = False
 
 
 def judge(
@@ -88,20 +51,14 @@ def judge(
     verdict = Verdict(
         np.zeros(possible.shape), np.empty(count, np.bool_), np.empty(count, np.bool_),
         np.empty(count), np.empty(count), np.empty((count, 3)), np.zeros(count),
-        np.full(count, -1),
+        np.full(count, -1), np.zeros((count, 3)),
     )  # fmt: skip
-    score_colors(
-        fit.colors, candidates.shapes, eye.looks, gains, possible, slack * limits.light_spread,
-        verdict.scores,
-    )  # fmt: skip
-    _to_screen(
-        fit.poses, candidates.shapes, eye.looks, eye.camera.lens, eye.camera.tag_height,
-        eye.camera.size_px, verdict.screen, verdict.overhang,
-    )  # fmt: skip
-    _compare(
-        fit.poses, candidates.poses, fit.covariances, fit.residual_px, verdict.overhang,
-        verdict.scores, eye.radius,
-        eye.most_residual_px, limits.confidence, verdict.moved, verdict.sound, verdict.good,
+    _judge(
+        fit.poses, fit.covariances, fit.residual_px, fit.colors, candidates.shapes,
+        candidates.poses, eye.looks, eye.camera.lens, eye.camera.tag_height, eye.camera.size_px,
+        gains, possible, slack * limits.light_spread, eye.radius, eye.most_residual_px,
+        limits.confidence, verdict.scores, verdict.screen, verdict.overhang, verdict.moved,
+        verdict.sound, verdict.good,
     )  # fmt: skip
     return verdict
 
@@ -129,21 +86,18 @@ def assign(
         Index of the tag of every candidate, negative for none, shape (N,); rejections.
     """
     nearest = 2.0 * _APART * min(shape.inner_radius for shape in eye.shapes)
-    order = np.lexsort((fit.residual_px, ~verdict.good))
-    places = np.ascontiguousarray(fit.poses[:, :2])
-    tags = settle(verdict.scores, verdict.good, order, places, taken, nearest)
+    tags = settle(verdict.scores, verdict.good, fit.residual_px, fit.poses, taken, nearest)
     if known is not None:
-        claims = verdict.good & (tags != REPEATED)
+        claims, places = verdict.good & (tags != REPEATED), np.ascontiguousarray(fit.poses[:, :2])
         tell_apart(tags, verdict.scores, claims, places, np.array(eye.tags.alike), known)
+    if all_sure(verdict.scores, tags, eye.thresholds.confidence):
+        return tags, ()
     rows = np.flatnonzero(tags >= 0)
     unsure = verdict.scores[rows, tags[rows]] < eye.thresholds.confidence
-    rejected = [
-        _rejection(verdict, n, _why_not(verdict, fit, candidates, eye, n, tags))
-        for n in [*np.flatnonzero(tags < 0).tolist(), *rows[unsure].tolist()]
-        if tags[n] != REPEATED
-    ]
+    refused = [*np.flatnonzero((tags < 0) & (tags != REPEATED)).tolist(), *rows[unsure].tolist()]
+    rejected = refusals(refused, verdict, fit, candidates.shapes, eye, tags)
     tags[rows[unsure]] = REPEATED
-    return tags, tuple(rejected)
+    return tags, rejected
 
 
 def detections_of(verdict: Verdict, fit: Fit, tags: Indices, eye: Eye) -> tuple[Detection, ...]:
@@ -189,6 +143,23 @@ def light_ratios(fit: Fit, tags: Indices, eye: Eye) -> Floats:
 
 
 @compiled
+def _judge(
+    poses: Floats, covariances: Floats, residual_px: Floats, colors: Floats, shapes: Indices,
+    starts: Floats, looks: Looks, lens: Lens, height: float, size_px: tuple[int, int],
+    gains: Floats, possible: NDArray[np.bool_], spread: float, radius: float, most_px: float,
+    confidence: float, scores: Floats, screen: Floats, overhang: Floats, moved: Floats,
+    sound: NDArray[np.bool_], good: NDArray[np.bool_],
+) -> None:  # fmt: skip
+    """Score the colours, find the places on the screen, and hold all against the thresholds."""
+    score_colors(colors, shapes, looks, gains, possible, spread, scores)
+    _to_screen(poses, shapes, looks, lens, height, size_px, screen, overhang)
+    _compare(
+        poses, starts, covariances, residual_px, overhang, scores, radius, most_px, confidence,
+        moved, sound, good,
+    )  # fmt: skip
+
+
+@compiled_part
 def _compare(
     poses: Floats, starts: Floats, covariances: Floats, residual_px: Floats, overhang: Floats,
     scores: Floats,
@@ -198,13 +169,13 @@ def _compare(
     """Hold fits against the thresholds."""
     for n in range(len(poses)):
         moved[n] = np.hypot(poses[n, 0] - starts[n, 0], poses[n, 1] - starts[n, 1])
-        near = overhang[n] <= _BORDER_PX and moved[n] < radius
+        near = overhang[n] <= BORDER_PX and moved[n] < radius
         told = covariances[n, 0, 0] + covariances[n, 1, 1] < (_VAGUE * radius) ** 2
         sound[n] = near and told and residual_px[n] < most_px
         good[n] = sound[n] and scores[n].max() >= confidence
 
 
-@compiled
+@compiled_part
 def _to_screen(
     poses: Floats, shapes: Indices, looks: Looks, lens: Lens, height: float,
     size_px: tuple[int, int], screen: Floats, overhang: Floats,
@@ -225,60 +196,3 @@ def _to_screen(
             )
             worst = np.inf if beyond != beyond else max(worst, beyond)
         overhang[n] = worst
-
-
-def _why_not(
-    verdict: Verdict, fit: Fit, candidates: Candidates, eye: Eye, n: int, tags: Indices
-) -> str:
-    """Say why a candidate is not accepted."""
-    if verdict.overhang[n] > _BORDER_PX:
-        return f"cut by the image border: {verdict.overhang[n]:.1f} px of the tag lie beyond it"
-    if verdict.hidden[n] > 0.0 or verdict.twice[n] >= 0:
-        return _else_why_not(verdict, eye, n)
-    if not verdict.moved[n] < eye.radius:
-        return f"fit went astray: {1e3 * verdict.moved[n]:.0f} mm from where it began"
-    if not verdict.sound[n]:
-        return _misfit(float(fit.residual_px[n]), eye.most_residual_px)
-    if not verdict.good[n]:
-        return _color_reason(fit.colors[n], int(candidates.shapes[n]), verdict.scores[n], eye)
-    tag = int(verdict.scores[n].argmax())
-    best = verdict.scores[tags == tag, tag].max(initial=0.0)
-    return (
-        f"id {eye.tags.ids[tag]} already taken by a better candidate "
-        f"({best:.2f} >= {verdict.scores[n, tag]:.2f})"
-    )
-
-
-def _misfit(residual_px: float, limit_px: float) -> str:
-    """Say why a fit that ended near its start is none."""
-    if residual_px < limit_px:
-        return "nothing to be seen here that tells where the tag is"
-    return f"misfit of {residual_px:.2f} px, limit {limit_px:.2f} px"
-
-
-def _else_why_not(verdict: Verdict, eye: Eye, n: int) -> str:
-    """Say what lies on a candidate, or whom it repeats."""
-    if verdict.hidden[n] > 0.0:
-        return f"covered: {verdict.hidden[n]:.0%} of it does not look like the tag expected here"
-    return f"looks like robot {eye.tags.ids[verdict.twice[n]]}, which is seen elsewhere"
-
-
-def _color_reason(colors: Floats, shape: int, scores: Floats, eye: Eye) -> str:
-    """Name the part whose colour is the farthest from what it may be."""
-    kind, looks, limit = eye.shapes[shape], eye.looks, eye.thresholds.confidence
-    tag = max(kind.tags, key=lambda t: scores[t])
-    unit = np.ones(3)
-    angles = [float(compare_color(colors[k], looks.typical[tag, k], unit)[1]) for k in kind.colored]
-    part = kind.colored[int(np.argmax(angles))]
-    name = eye.palette.names[looks.classes[tag, part] - 1]
-    b, g, r = np.clip(colors[part], 0, 255)
-    return (
-        f"colours {scores.max():.2f}, limit {limit:.2f}: at best robot {eye.tags.ids[tag]}, whose "
-        f"{kind.names[part]} is {name}; seen b {b:.0f}, g {g:.0f}, r {r:.0f}, "
-        f"{np.degrees(max(angles)):.0f} deg from it"
-    )
-
-
-def _rejection(verdict: Verdict, n: int, reason: str) -> Rejection:
-    x, y, _ = np.nan_to_num(verdict.screen[n]).tolist()
-    return Rejection(x, y, reason)

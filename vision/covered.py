@@ -12,14 +12,15 @@ from numpy.typing import NDArray
 from vision.eye import Eye
 from vision.gauge import Gauge
 from vision.identity import Prediction
+from vision.own_pixels import Known
 from vision.pose import Fit
-from vision.veil import Known, fit_veiled
+from vision.veil import fit_veiled
 
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
-_DOUBTFUL_PX, _DOUBTFUL = 0.25, 1.8  # misfit that makes one think: pixels, times the usual one
+_DOUBTFUL_PX, _DOUBTFUL = 0.17, 1.5  # misfit that makes one think: pixels, times the usual one
 _LEAST = 0.12  # strange share of a tag's pixels from which on something lies on it
 _MOST = 0.8  # and up to which it may be believed
 _TOLD_PX = 0.045  # standard deviation of a covered tag that may be believed, at most
@@ -91,7 +92,9 @@ def uncover(
     veiled, shares = [], []
     known_poses = _likely(fit, followed, doubtful)
     for n in doubtful.tolist():
-        again, hidden = _fit_again(image, eye, followed, n, _beside(eye, followed, known_poses, n), gains)
+        again, hidden = _fit_again(
+            image, eye, followed, n, _beside(eye, followed, known_poses, n), gains
+        )
         if _is_told(again, eye.gauge, hidden):
             _put(fit, n, again)
         elif hidden > _LEAST:

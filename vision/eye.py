@@ -180,7 +180,8 @@ def _gauge(
     radius = int(np.ceil(tags.outer_radius * float(scales[-1]))) + _REACH_PX
     side = max(tag.side for tag in tags.tags)
     return Gauge(
-        pixels, colors, floor.nodes, floor.level, scales, np.array(chroma.offset_px),
+        pixels, colors, floor.nodes, floor.level, scales, templates[0].coarse_pays,
+        np.array(chroma.offset_px),
         chroma.mixed_one_way, radius, 0.5 * side,
     )  # fmt: skip
 
@@ -188,6 +189,6 @@ def _gauge(
 def _plane(plane: int, templates: Templates, noise: list[float], independence: float) -> Plane:
     """Put together what is known of one kind of samples."""
     return Plane(
-        plane, templates.cells, templates.usage, templates.shares, templates.row_steps,
+        plane, templates.cells, templates.usage, templates.shares, templates.strides,
         templates.cell, np.array(noise), independence,
     )  # fmt: skip

@@ -18,7 +18,7 @@ class Plane(NamedTuple):
         cells: shape (L, S, turns, n, n, K), see `Templates`.
         usage: shape (L, S, n, n), which samples are used.
         shares: shape (L, S, 2, 3), how many of them, for a coarse and for the full look.
-        row_steps: shape (L, S, 2), and of which rows.
+        strides: shape (L, S, 2, 2), and of which rows and columns.
         cell: side of a cell [m].
         noise: shape (C,), standard deviation of a sample's values [grey levels].
         independence: how many independent samples one counts for.
@@ -28,7 +28,7 @@ class Plane(NamedTuple):
     cells: Singles
     usage: Bytes
     shares: NDArray[np.uint32]
-    row_steps: NDArray[np.intp]
+    strides: NDArray[np.intp]
     cell: float
     noise: Floats
     independence: float
@@ -43,6 +43,7 @@ class Gauge(NamedTuple):
         nodes: of the floor map [m].
         level: of the floor map, indices of scales.
         scales: shape (L,) [px/m].
+        coarse_pays: shape (L, S), whether a tag is better looked at coarsely first.
         offset: shape (2,), by which colours lie right of and below the brightness [px].
         mix_rows: whether rows of colours are still to be mixed.
         radius: of the window around a tag [px].
@@ -54,6 +55,7 @@ class Gauge(NamedTuple):
     nodes: Floats
     level: Bytes
     scales: Floats
+    coarse_pays: NDArray[np.bool_]
     offset: Floats
     mix_rows: bool
     radius: int

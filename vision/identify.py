@@ -128,7 +128,7 @@ def _pair_up(
                             poses[slot], centers[slot],
                         ):  # fmt: skip
                             shapes[slot] = shape
-                            agreement[slot] = _agreement(
+                            agreement[slot] = agreement_at(
                                 classes, nodes, looks, shape, wanted, poses[slot], centers[slot]
                             )
                             count += 1
@@ -176,11 +176,24 @@ def _pose_of_pair(
 
 
 @compiled_part
-def _agreement(
+def agreement_at(
     classes: Bytes, nodes: Floats, looks: Looks, shape: int, wanted: NDArray[np.bool_],
     pose: Floats, center: Floats,
 ) -> float:  # fmt: skip
-    """Largest share, over the wanted tags, of the sample points that show the right class."""
+    """Find the share of the sample points that show the right class.
+
+    Args:
+        classes: shape (H, W), class image.
+        nodes: of the floor map.
+        looks: of the tags.
+        shape: geometry.
+        wanted: shape (T,), tags of which the largest share counts.
+        pose: shape (3,), on the floor [m, m, rad].
+        center: shape (2,), where that is in the image [px].
+
+    Returns:
+        The share.
+    """
     height, width = classes.shape
     c, s = np.cos(pose[2]), np.sin(pose[2])
     slopes = pixel_slopes(nodes, center[0], center[1])
@@ -215,10 +228,9 @@ def _keep_distinct(
     for n in range(len(shapes)):
         alone = count < most
         for before in kept[:count]:
-            away = np.hypot(poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1])
-            same = np.cos(poses[n, 2] - poses[before, 2]) > turn
-            if shapes[n] == shapes[before] and away < place and same:
-                alone = False
+            dx, dy = poses[n, 0] - poses[before, 0], poses[n, 1] - poses[before, 1]
+            if dx * dx + dy * dy < place * place and shapes[n] == shapes[before]:
+                alone = alone and np.cos(poses[n, 2] - poses[before, 2]) <= turn
         if alone:
             kept[count] = n
             count += 1

@@ -9,6 +9,7 @@ from vision.scene import Rejection
 from vision.segment import Blobs
 
 Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _MAX_REASONS = 32
 SLACK_PX = 1.0
@@ -27,14 +28,15 @@ def lonely(blobs: Blobs, eye: Eye, places: Floats) -> tuple[Rejection, ...]:
         At most 32 rejections.
     """
     scale = float(eye.gauge.scales[-1])
-    alone = np.flatnonzero(_are_alone(blobs.centers, places, eye.radius * scale))
+    alone = np.flatnonzero(_are_alone(blobs.centers, places, eye.radius * scale))[:_MAX_REASONS]
+    kinds, areas = blobs.classes[alone].tolist(), blobs.areas[alone].tolist()
+    partners = {label: _partners(eye, label, scale) for label in set(kinds)}
     reasons = []
-    for index in alone[:_MAX_REASONS]:
-        label, area = int(blobs.classes[index]), float(blobs.areas[index])
-        missing = _missing_partner(eye, label, area, scale)
+    for label, area, center in zip(kinds, areas, blobs.centers[alone], strict=True):
+        missing = next((text for least, text in partners[label] if area > least), "")
         if missing:
             reason = f"{eye.palette.names[label - 1]} blob of {area:.0f} px: {missing}"
-            reasons.append(_at(blobs.centers[index], reason))
+            reasons.append(_at(center, reason))
     return tuple(reasons)
 
 
@@ -44,25 +46,26 @@ def _are_alone(places: Floats, others: Floats, reach: float) -> NDArray[np.bool_
     alone = np.ones(len(places), np.bool_)
     for n in range(len(places)):
         for x, y in others:
-            if np.hypot(places[n, 0] - x, places[n, 1] - y) < reach:
+            if (places[n, 0] - x) ** 2 + (places[n, 1] - y) ** 2 < reach * reach:
                 alone[n] = False
                 break
     return alone
 
 
-def _missing_partner(eye: Eye, label: int, area: float, scale: float) -> str:
-    """What a blob of a class would need to be part of a tag; empty if it is too small to matter."""
+def _partners(eye: Eye, label: int, scale: float) -> list[tuple[float, str]]:
+    """What blobs of a class need to be part of a tag, if they are larger than so many px."""
+    found = []
     for index, shape in enumerate(eye.shapes):
         centroids, classes = eye.looks.centroids[index], eye.looks.classes[list(shape.tags)]
         for i, j in shape.anchors:
+            length = float(np.hypot(*(centroids[i] - centroids[j])))
+            reach = length * (1 + eye.thresholds.distance_share) * scale + SLACK_PX
             for part, other in ((i, j), (j, i)):
-                large = area > 0.5 * shape.areas[part] * scale**2
-                if large and (classes[:, part] == label).any():
-                    length = float(np.hypot(*(centroids[i] - centroids[j])))
-                    reach = length * (1 + eye.thresholds.distance_share) * scale + SLACK_PX
-                    names = shape.names
-                    return f"{names[part]} patch without {names[other]} patch within {reach:.1f} px"
-    return ""
+                if (classes[:, part] == label).any():
+                    one, two = shape.names[part], shape.names[other]
+                    text = f"{one} patch without {two} patch within {reach:.1f} px"
+                    found.append((0.5 * float(shape.areas[part]) * scale**2, text))
+    return found
 
 
 def feeble(centers: Floats, agreements: Floats, told: Floats, eye: Eye) -> tuple[Rejection, ...]:
@@ -77,17 +80,30 @@ def feeble(centers: Floats, agreements: Floats, told: Floats, eye: Eye) -> tuple
     Returns:
         At most 32 rejections.
     """
-    reasons: list[Rejection] = []
     reach = eye.radius * float(eye.gauge.scales[-1])
-    for center, agreement in zip(centers, agreements, strict=True):
-        if (np.hypot(*(told - center).T) < reach).any():
-            continue
-        told = np.vstack((told, center))
-        shares = f"{agreement:.2f} < {eye.thresholds.agreement:.2f}"
-        reasons.append(_at(center, f"colours agree at too few points: {shares}"))
-        if len(reasons) == _MAX_REASONS:
+    chosen = np.empty(_MAX_REASONS, np.intp)
+    count = _keep_apart(centers, told, reach, chosen)
+    limit = eye.thresholds.agreement
+    return tuple(
+        _at(centers[n], f"colours agree at too few points: {agreements[n]:.2f} < {limit:.2f}")
+        for n in chosen[:count].tolist()
+    )
+
+
+@compiled
+def _keep_apart(places: Floats, others: Floats, reach: float, chosen: Indices) -> int:
+    """Choose places in turn that are not near others or one chosen before; returns how many."""
+    free, count = _are_alone(places, others, reach), 0
+    for n in range(len(places)):
+        if count == len(chosen):
             break
-    return tuple(reasons)
+        for before in chosen[:count]:
+            dx, dy = places[n, 0] - places[before, 0], places[n, 1] - places[before, 1]
+            free[n] = free[n] and not dx * dx + dy * dy < reach * reach
+        if free[n]:
+            chosen[count] = n
+            count += 1
+    return count
 
 
 def cut(candidates: int, blobs: int, eye: Eye) -> tuple[Rejection, ...]:

@@ -5,17 +5,18 @@ from math import hypot, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from control.geometry import Pose2D
 from vision.accept import assign, detections_of, judge, light_ratios
 from vision.covered import doubtful_px, follow_up, uncover
+from vision.evidence import refuse_unlike
 from vision.eye import Eye
 from vision.frame import Frame, check_size
 from vision.identify import Candidates, propose
 from vision.identity import Expectation, Prediction, expect, with_doubts
 from vision.light import PALETTE_LIGHT, Light, refitted, relit, taught, watched
-from vision.pose import Fit, fit_poses
+from vision.pose import fit_poses
 from vision.scene import Detection, Rejection, Scene
 from vision.segment import Blobs, find_blobs
+from vision.shortlist import fit_best
 
 __all__ = ["Prediction", "locate"]
 
@@ -25,7 +26,7 @@ Indices = NDArray[np.intp]
 
 _WORLD = 100.0  # robots are not looked for beyond so many heights of the camera
 _SLACK = 3.0  # in the light on robots that are where they are expected
-_STEPS, _SEARCH_STEPS = 8, 16  # at most, of Gauss-Newton; 2 or 3 are usual
+_STEPS = 12  # at most, of Gauss-Newton; 2 or 3 are usual
 
 
 def locate(
@@ -79,7 +80,7 @@ def _follow(
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
     """Fit the predicted robots where they are expected; they tell the light."""
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
-    known = [p for p in predictions if p.robot_id in index and _is_near(p.pose, eye)]
+    known = _near_camera([p for p in predictions if p.robot_id in index], eye)
     if not known:
         return (), (), light
     tags = np.array([index[p.robot_id] for p in known])
@@ -120,27 +121,21 @@ def _search(
     candidates, rejected = propose(blobs, classes, eye, np.ones_like(missing))
     if len(candidates) == 0:
         return (), rejected
-    possible = np.tile(missing, (len(candidates), 1))
-    fit = fit_poses(
-        frame.image,
-        eye.gauge,
-        candidates.shapes,
-        candidates.poses,
-        candidates.centers,
-        _SEARCH_STEPS,
-    )
-    verdict = judge(fit, candidates, eye, possible, light.gains)
+    candidates, fit = fit_best(frame.image, eye, candidates)
+    everybody = np.ones((len(candidates), len(missing)), np.bool_)
+    verdict = judge(fit, candidates, eye, everybody, light.gains)
     if found:
-        anybody = judge(fit, candidates, eye, np.ones_like(possible), light.gains)
-        twice = np.flatnonzero(anybody.good & ~verdict.good)
-        verdict.twice[twice] = anybody.scores[twice].argmax(axis=1)
+        verdict.keep(missing, eye.thresholds.confidence)
+    refuse_unlike(verdict, fit, candidates.shapes, classes, eye, light.misfit_px)
     tracked = known.places[missing & (known.reach == 0.0)]
     veiled = _near(fit.poses, tracked, eye.radius) & (
         fit.residual_px > doubtful_px(light.misfit_px)
     )
     verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
-    chosen, reasons = assign(verdict, fit, candidates, eye, taken, known)
+    told = eye.tags.look_alikes or np.isfinite(known.places).any()
+    among = known if told else None
+    chosen, reasons = assign(verdict, fit, candidates, eye, taken, among)
     return detections_of(verdict, fit, chosen, eye), rejected + reasons
 
 
@@ -159,10 +154,15 @@ def _missing(found: tuple[Detection, ...], eye: Eye) -> NDArray[np.bool_]:
     return np.array([robot_id not in seen for robot_id in eye.tags.ids])
 
 
-def _is_near(pose: Pose2D, eye: Eye) -> bool:
-    """Whether a prediction is finite and within the camera's world; False for nan."""
+def _near_camera(predictions: list[Prediction], eye: Eye) -> list[Prediction]:
+    """Predictions that are finite and within the camera's world."""
     x, y, height = eye.camera.position.tolist()
-    return hypot(pose.x - x, pose.y - y) < _WORLD * height and abs(pose.theta) < inf
+    reach = _WORLD * height
+    return [
+        p
+        for p in predictions
+        if hypot(p.pose.x - x, p.pose.y - y) < reach and abs(p.pose.theta) < inf
+    ]
 
 
 def _unexplained(blobs: Blobs, found: tuple[Detection, ...], eye: Eye) -> Blobs:

@@ -21,7 +21,7 @@ from vision.elimination import (
 )
 from vision.floor_map import PITCH, pixel_slopes
 from vision.gauge import Gauge, Plane
-from vision.samples import Usage, Window, collect_colors, collect_pixels
+from vision.samples import Lattice, Usage, Window, collect, see_bgr, see_chroma, see_luma
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -31,10 +31,10 @@ Indices = NDArray[np.intp]
 _PRIOR_WEIGHT = 20.0  # samples that the stated noise counts for, against the residuals found
 _STEP = 0.3  # longest Gauss-Newton step, in arms: half sides of the largest tag
 _SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
-_ASTRAY_PX = 0.7  # samples are collected anew after a longer way
+_ASTRAY_PX = (2.0, 0.7)  # samples are collected anew after a longer way, coarse and all
+_NEAR_PX = 0.7  # after a shorter step all samples are looked at
 _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
 _ROUNDING = 1.0 / 12.0  # no picture is truer than its rounding to whole numbers: variance
-_COARSE_PAYS = 2.0  # so many times fewer samples make a coarse look first worth while
 _LEAST = 0.05  # share of the residuals that a step leaves at least
 _STIFFNESS_M, _STIFFNESS_RAD = 0.1, 10.0  # known beforehand: keeps blind fits solvable
 
@@ -58,14 +58,15 @@ class Fit:
 
 
 class _Room(NamedTuple):
-    """Memory to work in: floor points of samples, their values and tables, for each plane; unknowns
-    a (3, M) and their normal matrices (3, M, M); the pose's normal equations (2, 3, 3) and
-    gradients (4, 3); numbers of samples.
+    """Memory to work in: floor points of samples, their values and tables, for each plane; which
+    pixels they are; unknowns a (3, M) and their normal matrices (3, M, M); the pose's normal
+    equations (2, 3, 3) and gradients (4, 3); numbers of samples.
     """
 
     places: Singles
     values: Singles
     tables: Singles
+    chosen: NDArray[np.int32]
     bright: Floats
     inner: Floats
     normal: Floats
@@ -116,7 +117,8 @@ def _room(gauge: Gauge, parts: int) -> _Room:
     most = min(int(3.2 * (gauge.radius + 2) ** 2), _MOST_SAMPLES)
     return _Room(
         np.empty((2, 2, most), np.float32), np.empty((2, 3, most), np.float32),
-        np.empty((2, COVERS + 3 * parts + 3 + 4, most), np.float32), np.empty((3, parts + 1)),
+        np.empty((2, COVERS + 3 * parts + 3 + 4, most), np.float32),
+        np.empty((2, most), np.int32), np.empty((3, parts + 1)),
         np.empty((3, parts + 1, parts + 1)), np.empty((2, 3, 3)), np.empty((4, 3)),
         np.zeros(2, np.intp),
     )  # fmt: skip
@@ -148,10 +150,9 @@ def _fit_one(
     scale, turns = g.scales[level], g.pixels.cells.shape[2]
     gradient, delta, local = room.gradient[0], room.gradient[1], room.gradient[2]
     x, y, tilt, away, sums = pose[0], pose[1], 0.0, np.inf, (0.0, 0.0, 1.0)
-    shares = g.pixels.shares[level, shape]
-    look = 0 if shares[1, 2] > _COARSE_PAYS * shares[0, 2] and steps > 1 else 1
+    look = 0 if g.coarse_pays[level, shape] and steps > 1 else 1
     for step in range(steps):
-        if away * scale > _ASTRAY_PX:
+        if away * scale > _ASTRAY_PX[look]:
             tilt = _follow(g.nodes, pose[0] - x, pose[1] - y, center)
             x, y, away = pose[0], pose[1], 0.0
             _collect(image, g, _Spot(level, shape, 0, look), pose, center, room)
@@ -161,7 +162,7 @@ def _fit_one(
         invert(room.normal[0], covariance)
         length = _step(covariance, gradient, g.arm, pose, delta)
         away += length
-        if look == 0 and (length * scale < _ASTRAY_PX or step == steps - 2):
+        if look == 0 and (length * scale < _NEAR_PX or step == steps - 2):
             look, away = 1, np.inf  # near enough for all samples
         elif length * scale < _SETTLED_PX:
             break
@@ -192,24 +193,33 @@ def _collect(
 ) -> None:
     """Collect the samples around a pose."""
     x, y = _within(center[0] + 0.5, image.shape[1]), _within(center[1] + 0.5, image.shape[0])
-    window, separate = Window(x, y, g.radius), len(g.pixels.noise) == 3
-    room.counts[0] = collect_pixels(
-        image, g.nodes, _usage(g.pixels, spot), separate, pose, window,
-        room.places[0], room.values[0],
+    window, size_px, chosen = Window(x, y, g.radius), image.shape[:2], room.chosen
+    count = collect(
+        size_px, g.nodes, _usage(g.pixels, spot), Lattice(1, 0.0, 0.0), pose, window,
+        room.places[0], chosen,
     )  # fmt: skip
-    if not separate:
-        room.counts[1] = collect_colors(
-            image, g.nodes, _usage(g.colors, spot), g.offset, g.mix_rows, pose, window,
-            room.places[1], room.values[1],
-        )  # fmt: skip
+    room.counts[0] = count
+    if len(g.pixels.noise) == 3:
+        see_bgr(image, chosen, count, room.values[0])
+        return
+    see_luma(image, chosen, count, room.values[0])
+    colors = Lattice(2, g.offset[0], g.offset[1])
+    count = collect(
+        size_px, g.nodes, _usage(g.colors, spot), colors, pose, window, room.places[1], chosen
+    )
+    room.counts[1] = count
+    see_chroma(image, chosen, count, g.mix_rows, room.values[1])
 
 
 @compiled_part
 def _usage(plane: Plane, spot: _Spot) -> Usage:
     """Which samples of a tag are used."""
     level, shape, look = spot.level, spot.shape, spot.look
-    step = plane.row_steps[level, shape, look]
-    return Usage(plane.usage[level, shape], plane.shares[level, shape, look], step, plane.cell)
+    steps = plane.strides[level, shape, look]
+    return Usage(
+        plane.usage[level, shape], plane.shares[level, shape, look], (steps[0], steps[1]),
+        plane.cell,
+    )  # fmt: skip
 
 
 @compiled_part

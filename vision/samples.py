@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
 Shares = NDArray[np.uint32]
+Places = NDArray[np.int32]
 
 _SPREAD_X, _SPREAD_Y = np.uint32(0x9E3779B1), np.uint32(0x85EBCA6B)  # of lattices without a period
 _BITS = np.uint32(0xFFFFFFFF)
@@ -23,14 +24,28 @@ class Usage(NamedTuple):
     Attributes:
         kinds: shape (n, n), what a sample at a place of the tag's frame tells, see `Templates`.
         shares: shape (3,), of the samples of every kind this share is used, of 2^32.
-        row_step: every so many-th row of samples is looked at.
+        strides: of so many rows, and of so many samples of a row, one is looked at.
         cell: side of a place [m].
     """
 
     kinds: Bytes
     shares: Shares
-    row_step: int
+    strides: tuple[int, int]
     cell: float
+
+
+class Lattice(NamedTuple):
+    """What a sample is.
+
+    Attributes:
+        side: it is the mean of so many times so many pixels.
+        right: by which it shows what lies further left [px].
+        down: by which it shows what lies further up [px].
+    """
+
+    side: int
+    right: float
+    down: float
 
 
 class Window(NamedTuple):
@@ -48,107 +63,65 @@ class Window(NamedTuple):
 
 
 @compiled_part
-def collect_pixels(
-    image: Bytes, nodes: Floats, usage: Usage, separate: bool, pose: Floats, window: Window,
-    places: Singles, values: Singles,
+def collect(
+    size_px: tuple[int, int], nodes: Floats, usage: Usage, lattice: Lattice, pose: Floats,
+    window: Window, places: Singles, chosen: Places,
 ) -> int:  # fmt: skip
-    """Collect the pixels around a tag.
+    """Choose the samples around a tag.
 
     Args:
-        image: shape (H, W, 3), BGR.
+        size_px: height and width of the image [px].
         nodes: of the floor map.
         usage: which samples are used.
-        separate: whether to give B, G and R, or else the luma.
+        lattice: what a sample is.
         pose: shape (3,), where the tag is looked for [m, m, rad].
         window: where samples are looked for.
         places: shape (2, N), receives the samples' floor points relative to the pose [m].
-        values: shape (3, N), receives B, G and R, or in its first row the luma.
+        chosen: shape (2, N), receives the samples' rows and columns in the lattice.
 
     Returns:
         Number of samples.
     """
-    count, size = 0, float(usage.kinds.shape[0])
+    count, size, (row_step, step) = 0, float(usage.kinds.shape[0]), usage.strides
     kinds, shares, middle = usage.kinds, usage.shares, usage.kinds.shape[0] // 2 + 0.5
     c, s = np.cos(pose[2]) / usage.cell, np.sin(pose[2]) / usage.cell
-    step = usage.row_step
-    first, last = window.y - window.radius, min(window.y + window.radius + 1, image.shape[0])
-    for y in range((max(first, 0) + step - 1) // step * step, last, step):
-        reach = int(np.sqrt(window.radius**2 - (y - window.y) ** 2))
-        start, end = max(window.x - reach, 0), min(window.x + reach + 1, image.shape[1])
-        while start < end:
-            stop = min(end, (start // PITCH + 1) * PITCH)  # linear up to the next node
-            x0, y0 = floor_at(nodes, start, y)
-            x1, y1 = floor_at(nodes, stop, y)
-            x0, y0, x1, y1 = x0 - pose[0], y0 - pose[1], x1 - pose[0], y1 - pose[1]
-            dx, dy = (x1 - x0) / (stop - start), (y1 - y0) / (stop - start)
-            column, row = c * x0 + s * y0 + middle, c * y0 - s * x0 + middle
+    side, radius = lattice.side, window.radius + lattice.side - 1
+    aside, below = 0.5 * (side - 1) - lattice.right, 0.5 * (side - 1) - lattice.down
+    first, last = _span(window.y, radius, side, size_px[0])
+    for j in range(_next(first, row_step, 0), last, row_step):
+        reach = int(np.sqrt(max(radius**2 - (side * j - window.y) ** 2, 0)))
+        start, end = _span(window.x, reach, side, size_px[1])
+        i, node = _next(start, step, j // row_step), side * start // PITCH * PITCH
+        x1, y1 = floor_at(nodes, node, side * j + below)
+        while i < end:
+            node += PITCH  # linear up to there
+            x0, y0 = x1, y1
+            x1, y1 = floor_at(nodes, node, side * j + below)
+            dx, dy, left = (x1 - x0) / PITCH, (y1 - y0) / PITCH, side * i + aside - node
+            px, py = x1 - pose[0] + left * dx, y1 - pose[1] + left * dy
+            column, row = c * px + s * py + middle, c * py - s * px + middle
+            dx, dy, stop = side * step * dx, side * step * dy, min(node // side, end)
             across, along = c * dx + s * dy, c * dy - s * dx
-            for x in range(start, stop):
+            while i < stop:
                 inside = 0.0 <= column < size and 0.0 <= row < size
-                if inside and _chance(x, y) < shares[kinds[int(row), int(column)]]:
-                    places[0, count], places[1, count] = (
-                        x0 + (x - start) * dx,
-                        y0 + (x - start) * dy,
-                    )
-                    blue, green, red = image[y, x, 0], image[y, x, 1], image[y, x, 2]
-                    if separate:
-                        values[0, count], values[1, count], values[2, count] = blue, green, red
-                    else:
-                        values[0, count] = 0.114 * blue + 0.587 * green + 0.299 * red
+                if inside and _chance(i, j) < shares[kinds[int(row), int(column)]]:
+                    places[0, count], places[1, count] = px, py
+                    chosen[0, count], chosen[1, count] = j, i
                     count += 1
-                column += across
-                row += along
-            start = stop
+                px, py, column, row, i = px + dx, py + dy, column + across, row + along, i + step
     return count
 
 
 @compiled_part
-def collect_colors(
-    image: Bytes, nodes: Floats, usage: Usage, offset: Floats, mix_rows: bool,
-    pose: Floats, window: Window, places: Singles, values: Singles,
-) -> int:  # fmt: skip
-    """Collect the colours around a tag, as means of 2 x 2 pixels.
+def _span(middle: int, reach: int, side: int, size: int) -> tuple[int, int]:
+    """First sample and the one after the last within reach of a pixel, along one axis."""
+    return max(middle - reach, 0) // side, min((middle + reach) // side + 1, size // side)
 
-    Args:
-        image: shape (H, W, 3), BGR.
-        nodes: of the floor map.
-        usage: which samples are used.
-        offset: shape (2,), by which colours lie right of and below the brightness [px].
-        mix_rows: mix the rows 1 : 6 : 1, as upsampling has mixed the columns.
-        pose: shape (3,), where the tag is looked for [m, m, rad].
-        window: where samples are looked for.
-        places: shape (2, N), receives the samples' floor points relative to the pose [m].
-        values: shape (3, N), receives in its first rows the blue and the red chroma.
 
-    Returns:
-        Number of samples.
-    """
-    count, size = 0, float(usage.kinds.shape[0])
-    kinds, shares, middle = usage.kinds, usage.shares, usage.kinds.shape[0] // 2 + 0.5
-    c, s = np.cos(pose[2]) / usage.cell, np.sin(pose[2]) / usage.cell
-    last_x, last_y = image.shape[1] // 2 * 2 - 2, image.shape[0] // 2 * 2 - 2
-    radius = window.radius + 1
-    first, step = max(window.y - radius, 0), 2 * usage.row_step
-    for y in range(first // step * step, min(window.y + radius, last_y) + 1, step):
-        reach = int(np.sqrt(max(radius**2 - (y - window.y) ** 2, 0)))
-        for x in range(max(window.x - reach, 0) // 2 * 2, min(window.x + reach, last_x) + 1, 2):
-            dx, dy = floor_at(nodes, x + 0.5 - offset[0], y + 0.5 - offset[1])
-            dx, dy = dx - pose[0], dy - pose[1]
-            column, row = c * dx + s * dy + middle, c * dy - s * dx + middle
-            if not (0.0 <= column < size and 0.0 <= row < size):
-                continue
-            if _chance(x, y) >= shares[kinds[int(row), int(column)]]:
-                continue
-            places[0, count], places[1, count] = dx, dy
-            blue, red = _chroma_mean(image, x, y)
-            if mix_rows:
-                above = _chroma_mean(image, x, max(y - 2, 0))
-                below = _chroma_mean(image, x, min(y + 2, last_y))
-                blue = 0.75 * blue + 0.125 * (above[0] + below[0])
-                red = 0.75 * red + 0.125 * (above[1] + below[1])
-            values[0, count], values[1, count] = blue, red
-            count += 1
-    return count
+@compiled_part
+def _next(start: int, stride: int, row: int) -> int:
+    """First place from a start on that is looked at in a row; rows begin at different ones."""
+    return start + (row * ((stride + 1) // 2) - start) % stride
 
 
 @compiled_part
@@ -158,11 +131,63 @@ def _chance(x: int, y: int) -> int:
 
 
 @compiled_part
-def _chroma_mean(image: Bytes, x: int, y: int) -> tuple[float, float]:
-    """Blue and red chroma of the pixels (x, y) to (x + 1, y + 1), BT.601."""
+def see_bgr(image: Bytes, chosen: Places, count: int, values: Singles) -> None:
+    """Read the colours of pixels.
+
+    Args:
+        image: shape (H, W, 3), BGR.
+        chosen: shape (2, N), rows and columns of pixels.
+        count: of the first ones.
+        values: shape (3, N), receives B, G and R.
+    """
+    for n in range(count):
+        for channel in range(3):
+            values[channel, n] = image[chosen[0, n], chosen[1, n], channel]
+
+
+@compiled_part
+def see_luma(image: Bytes, chosen: Places, count: int, values: Singles) -> None:
+    """Read the luma of pixels, BT.601.
+
+    Args:
+        image: shape (H, W, 3), BGR.
+        chosen: shape (2, N), rows and columns of pixels.
+        count: of the first ones.
+        values: shape (1 or more, N), receives the luma.
+    """
+    for n in range(count):
+        j, i = chosen[0, n], chosen[1, n]
+        values[0, n] = 0.114 * image[j, i, 0] + 0.587 * image[j, i, 1] + 0.299 * image[j, i, 2]
+
+
+@compiled_part
+def see_chroma(image: Bytes, chosen: Places, count: int, mix_rows: bool, values: Singles) -> None:
+    """Read the chroma of pixels, as means of 2 x 2, BT.601.
+
+    Args:
+        image: shape (H, W, 3), BGR.
+        chosen: shape (2, N), rows and columns of such squares.
+        count: of the first ones.
+        mix_rows: mix the rows 1 : 6 : 1, as upsampling has mixed the columns.
+        values: shape (2 or more, N), receives blue and red.
+    """
+    last = image.shape[0] // 2 - 1
+    for n in range(count):
+        j, i = chosen[0, n], chosen[1, n]
+        blue, red = _chroma(image, j, i)
+        if mix_rows:
+            above, below = _chroma(image, max(j - 1, 0), i), _chroma(image, min(j + 1, last), i)
+            blue = 0.75 * blue + 0.125 * (above[0] + below[0])
+            red = 0.75 * red + 0.125 * (above[1] + below[1])
+        values[0, n], values[1, n] = blue, red
+
+
+@compiled_part
+def _chroma(image: Bytes, j: int, i: int) -> tuple[float, float]:
+    """Mean blue and red chroma of 2 x 2 pixels, BT.601."""
     blue, green, red = 0, 0, 0
-    for row in range(y, y + 2):
-        for column in range(x, x + 2):
+    for row in range(2 * j, 2 * j + 2):
+        for column in range(2 * i, 2 * i + 2):
             blue += image[row, column, 0]
             green += image[row, column, 1]
             red += image[row, column, 2]

@@ -57,7 +57,7 @@ def find_blobs(classes: Bytes, min_area: float, limit: int) -> Blobs:
 
 @compiled
 def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes) -> int:
-    """Join pixels with equal neighbours left and above; returns the number of regions.
+    """Join runs of equal pixels with those above; returns the number of regions.
 
     Regions that turn out to be one are joined by union-find: parent[label] <= label. Where there is
     nothing, 8 pixels are passed at a time.
@@ -66,29 +66,31 @@ def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes
     flat, parent = classes.reshape(-1), np.empty(len(kinds), np.int32)
     above, count = np.zeros(columns, np.int32), 0
     for row in range(rows):
-        at, end, left, label = row * columns, (row + 1) * columns, 0, 0
+        start = row * columns
+        at, end = start, start + columns
         while at < end:
             if at % 8 == 0 and at + 8 <= end and words[at >> 3] == 0:
-                at, left = at + 8, 0
+                at += 8
                 continue
-            kind, column = flat[at], at - row * columns
-            if kind != 0:
-                joined = row > 0 and flat[at - columns] == kind
-                if joined:
-                    other = _root(parent, above[column])
-                    if kind == left and other != label:
-                        label = _joined(parent, label, other)
-                    else:
-                        label = other
-                elif kind != left:
-                    label, parent[count], kinds[count] = count, count, kind
-                    sums[count, 0], sums[count, 1], sums[count, 2] = 0.0, 0.0, 0.0
-                    count += 1
-                above[column] = label
-                sums[label, 0] += 1.0
-                sums[label, 1] += column
-                sums[label, 2] += row
-            left, at = kind, at + 1
+            kind, first, label = flat[at], at, -1
+            if kind == 0:
+                at += 1
+                continue
+            while at < end and flat[at] == kind:
+                same = row > 0 and flat[at - columns] == kind
+                if same and (at == first or flat[at - columns - 1] != kind):
+                    other = _root(parent, above[at - start])
+                    label = other if label < 0 else _joined(parent, label, other)
+                at += 1
+            if label < 0:
+                label, parent[count], kinds[count] = count, count, kind
+                sums[count, 0] = sums[count, 1] = sums[count, 2] = 0.0
+                count += 1
+            length = at - first
+            above[first - start : at - start] = label
+            sums[label, 0] += length
+            sums[label, 1] += 0.5 * length * (first + at - 1 - 2 * start)
+            sums[label, 2] += length * row
     return _compact(parent, sums, kinds, count)
 
 

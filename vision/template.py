@@ -28,10 +28,14 @@ _MARGIN_PX = 3.0  # of a template around the tag; of colour, 2 samples
 _LEAST_BLUR_PX = 0.25  # a sharper lens cannot be sampled
 _EDGE = 0.04  # change of a coverage from one sample to the next that tells something of the pose
 _RING = 2  # samples around the tag that show the floor
-_PIXELS = ((40.0, 160.0), (150.0, 720.0))  # used elsewhere, and at edges: coarsely, and fully
-_COLORS = ((30.0, 80.0), (80.0, 300.0))
-_AMPLE = 1400.0  # samples at edges beyond which ever fewer are used: large tags are exact anyway
-_MOST_ROW_STEP = 3
+_ALL = 1e9
+_PIXELS = (
+    (40.0, 140.0, _ALL),
+    (150.0, 800.0, 1150.0),
+)  # coarsely, and fully: samples elsewhere, at
+_COLORS = ((20.0, 60.0, _ALL), (80.0, 300.0, 480.0))  # edges, and when ever fewer of those are used
+_MOST_STRIDE = 6
+_COARSE_PAYS = 2.0  # so many times fewer samples make a coarse look first worth while
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,15 +49,22 @@ class Templates:
             nothing, 1 the brightness of a part, 2 also the pose, read-only.
         shares: shape (L, shapes, 2, 3), of the samples of each usage in the rows looked at this
             share is used, of 2^32 - 1, for a coarse and for the full look, read-only.
-        row_steps: shape (L, shapes, 2), every so many-th row is looked at, read-only.
+        strides: shape (L, shapes, 2, 2), of so many rows, and of so many samples of a row, one is
+            looked at, for a coarse and for the full look, read-only.
         cell: side of a cell [m].
     """
 
     cells: Singles
     usage: Bytes
     shares: NDArray[np.uint32]
-    row_steps: NDArray[np.intp]
+    strides: NDArray[np.intp]
     cell: float
+
+    @property
+    def coarse_pays(self) -> NDArray[np.bool_]:
+        """Whether a coarse look spares many samples at edges, shape (L, shapes)."""
+        used = self.shares[..., 2] / self.strides.prod(axis=3)
+        return np.asarray(used[..., 1] > _COARSE_PAYS * used[..., 0])
 
 
 def make_templates(
@@ -89,11 +100,12 @@ def make_templates(
     parts_used = np.array(
         [[[_shares(u, sample / cell, most) for most in looks] for u in level] for level in usage]
     )
-    row_steps = np.clip((1.0 / parts_used.max(axis=3)).astype(np.intp), 1, _MOST_ROW_STEP)
-    shares = (0xFFFFFFFF * np.minimum(parts_used * row_steps[..., None], 1.0)).astype(np.uint32)
-    for array in (cells, usage, shares, row_steps):
+    strides = _strides(parts_used.max(axis=3))
+    looked_at = strides.prod(axis=3, keepdims=True)
+    shares = (0xFFFFFFFF * np.minimum(parts_used * looked_at, 1.0)).astype(np.uint32)
+    for array in (cells, usage, shares, strides):
         array.flags.writeable = False
-    return Templates(cells, usage, shares, row_steps, cell)
+    return Templates(cells, usage, shares, strides, cell)
 
 
 def sample_points(templates: Templates, shape: int, part: int, count: int) -> Floats:
@@ -165,6 +177,13 @@ def _point_spread(
     return np.asarray(lens / interpolated**2, np.float64)
 
 
+def _strides(shares: Floats) -> NDArray[np.intp]:
+    """Rows, and samples of a row, of which one is looked at, so that enough are left (..., 2)."""
+    rows = np.clip(np.ceil(np.sqrt(1.0 / shares) - 0.5), 1, _MOST_STRIDE)
+    columns = np.clip(np.floor(1.0 / (shares * rows)), 1, _MOST_STRIDE)
+    return np.stack((rows, columns), axis=-1).astype(np.intp)
+
+
 def _usage(cells: Singles, step: float) -> Bytes:
     """Usage of every place of a template (n, n, K) with so many cells per sample."""
     change = np.zeros(cells.shape[:2], np.float32)
@@ -177,7 +196,12 @@ def _usage(cells: Singles, step: float) -> Bytes:
     return np.where(change > _EDGE, 2 * (near > 0), near > 0).astype(np.uint8)
 
 
-def _shares(usage: Bytes, step: float, most: tuple[float, float]) -> tuple[float, float, float]:
+def _shares(
+    usage: Bytes, step: float, most: tuple[float, float, float]
+) -> tuple[float, float, float]:
     """Share of the samples of each usage that is used: many are thinned out."""
     flat, edges = (max(np.count_nonzero(usage == kind) / step**2, 1.0) for kind in (1, 2))
-    return 0.0, min(most[0] / flat, 1.0), min(most[1] / edges, 1.0) * min(_AMPLE / edges, 1.0)
+    share = (
+        min(most[1] / edges, 1.0) * min(most[2] / edges, 1.0) ** 2
+    )  # large tags are exact anyway
+    return 0.0, min(most[0] / flat, 1.0), share

@@ -3,7 +3,8 @@
 A pixel's residual counts against what noise, shades and a pose off by a slack can do to it; the
 slack shrinks from step to step (graduated non-convexity, Blake and Zisserman 1987; weights of Geman
 and McClure 1985). The colours of the tag's parts are known beforehand, about as the palette has
-them: that tells the tag's own pixels from others.
+them: that tells the tag's own pixels from others. Unknowns of every channel are K + 1 brightnesses,
+of all channels the pose.
 """
 
 from typing import NamedTuple
@@ -13,66 +14,50 @@ from numpy.typing import NDArray
 
 from vision.compiled import compiled, compiled_part
 from vision.elimination import invert
-from vision.floor_map import PITCH, floor_at
+from vision.floor_map import PITCH
 from vision.gauge import Gauge
+from vision.own_pixels import Known, Pixels, collect_free, expect_colors, look_at
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
 
-_MOST_PIXELS = 900  # more are thinned out
-_ON, _CORE = 0.6, 0.8  # coverage of the tag, or of a part: a pixel is on it
+_ON = 0.6  # coverage of the tag: a pixel is on it
 _OWN = 0.15  # weight of a pixel that may be the tag's own, at least
 _FLOOR = 0.995  # of a sample: then it tells nothing of the tag
 _NOTHING = 0.02  # a weight that makes no difference
 _CUT = 9.0  # squared normalised residual of a sample at which its weight is a quarter
 _ROUNDING = 1.0  # and what the templates leave out: variance of a sample [grey levels^2]
 _SHADE = 0.04  # by this share of its brightness a pixel may differ
-_TINT, _FREE = 0.1, 40.0  # spread of the parts' colours: relative; of the floor's [grey levels]
-_DARK = 8.0  # spread of black [grey levels]
-
-
-class Known(NamedTuple):
-    """What is known of a tag before the fit.
-
-    Attributes:
-        shape: its geometry.
-        pose: shape (3,), where it is expected [m, m, rad].
-        spread: shape (3,), standard deviations of that [m, m, rad].
-        colors: shape (K, 3), BGR of its parts in the present light; 0 for black.
-        plates: shape (P, V, 2), corners of the plates of robots beside it, convex [m].
-    """
-
-    shape: int
-    pose: Floats
-    spread: Floats
-    colors: Floats
-    plates: Floats
-
-
-class _Room(NamedTuple):
-    """Samples: floor points (N, 2) from where the tag is expected, values (N, 3). Of one sample:
-    coverages (2, K + 1) and slopes (2, 2, K + 1) by pixel and colour template; residuals and
-    slopes ahead, aside and by a turn (4, 3); a row of the design (K + 4,).
-    """
-
-    places: Floats
-    values: Floats
-    covers: Floats
-    slopes: Floats
-    seen: Floats
-    design: Floats
+_PRIOR = 20.0  # samples that the stated noise counts for, against the residuals found
+_SQUARE = 0.25  # colours are means of 2 x 2 pixels, and all four are samples
+_FREE_STEPS, _VAGUE = 2, 1e-6  # the last steps know the pose beforehand only so much
 
 
 class _Sums(NamedTuple):
-    """Normal equations of K + 1 brightnesses and the pose, for each channel: matrices (3, M, M),
-    lower halves, and gradients (3, M); squared residuals, the samples' weight, and squared slopes
-    (5,).
+    """Sums over the samples: normal equations for each channel, M = K + 4 unknowns, lower halves
+    (3, M, M), and gradients (3, M); squared residuals (3,); the samples' weight and squared slopes
+    (2,). Of one sample: residuals and slopes ahead, aside and by a turn (4, 3).
     """
 
     normal: Floats
     pull: Floats
     squares: Floats
+    totals: Floats
+    seen: Floats
+
+
+class _Tag(NamedTuple):
+    """How a tag would look: templates of pixels and of colours (n, n, K); pose (3,); colours
+    (K + 1, 3); expected colours and their standard deviations (K + 1, 3).
+    """
+
+    luma: Singles
+    chroma: Singles
+    pose: Floats
+    colors: Floats
+    typical: Floats
+    spread: Floats
 
 
 @compiled
@@ -94,8 +79,8 @@ def fit_veiled(
         colors: shape (K + 1, 3), receives BGR of the parts and the floor.
 
     Returns:
-        Share of the tag's pixels that are not its own; rms misfit of the others as a displacement of
-        edges [m].
+        Share of the tag's pixels that are not its own; rms misfit of the others as a displacement
+        of edges [m].
     """
     rows, columns = g.level.shape
     row = int(min(max(center[1] / PITCH + 0.5, 0.0), rows - 1.0))
@@ -103,188 +88,75 @@ def fit_veiled(
     level, separate = g.level[row, column], len(g.pixels.noise) == 3
     luma = g.pixels.cells[level, known.shape, 0]
     chroma = luma if separate else g.colors.cells[level, known.shape, 0]
-    parts, size = luma.shape[2], 4 * (g.radius + 1) ** 2
-    room = _Room(
-        np.empty((size, 2)), np.empty((size, 3)), np.empty((2, parts + 1)),
-        np.empty((2, 2, parts + 1)), np.empty((4, 3)), np.empty(parts + 4),
+    kinds, size = luma.shape[2] + 1, 4 * (g.radius + 1) ** 2
+    tag = _Tag(luma, chroma, pose, colors, np.empty((kinds, 3)), np.empty((kinds, 3)))
+    pixels = Pixels(
+        np.empty((size, 2)), np.empty((size, 3)), np.empty((2, kinds)), np.empty((2, 2, kinds))
+    )
+    count = collect_free(image, g, known, center, pixels)
+    expect_colors(g, known, luma, count, pixels, tag.typical, tag.spread)
+    pose[:], colors[:], hidden = known.pose, tag.typical, 1.0
+    sums = _Sums(
+        np.empty((3, kinds + 3, kinds + 3)), np.empty((3, kinds + 3)), np.empty(3), np.empty(2),
+        np.empty((4, 3)),
     )  # fmt: skip
-    count = _collect(image, g, known, center, separate, room)
-    typical, spread = np.empty((parts + 1, 3)), np.empty((parts + 1, 3))
-    pose[:] = known.pose
-    _expect(g, known, luma, count, separate, room, typical, spread)
-    colors[:] = typical
-    hidden, m = 1.0, parts + 4
-    sums = _Sums(np.empty((3, m, m)), np.empty((3, m)), np.empty(5))
+    least = np.array((margin, margin, margin / g.arm))
     for step in range(len(slacks)):
-        slack = np.maximum(known.spread * slacks[step], np.array((margin, margin, margin / g.arm)))
-        hidden = _sum_up(g, luma, chroma, known, pose, colors, slack, count, room, sums)
-        prior = 1.0 if step < len(slacks) - 2 else 1e-6
-        _solve(known, typical, spread, prior, sums, pose, colors, covariance)
+        hidden = _sum_up(
+            g, known, tag, np.maximum(known.spread * slacks[step], least), count, pixels, sums
+        )
+        _solve(known, tag, 1.0 if step < len(slacks) - _FREE_STEPS else _VAGUE, sums, covariance)
     if not separate:
         _to_bgr(colors)
-    return hidden, np.sqrt(sums.squares[:3].sum() / max(sums.squares[4], 1e-9))
-
-
-@compiled_part
-def _collect(
-    image: Bytes, g: Gauge, known: Known, center: Floats, separate: bool, room: _Room
-) -> int:
-    """Collect the pixels around a tag; returns their number."""
-    x0, x1 = max(int(center[0]) - g.radius, 0), min(int(center[0]) + g.radius + 2, image.shape[1])
-    y0, y1 = max(int(center[1]) - g.radius, 0), min(int(center[1]) + g.radius + 2, image.shape[0])
-    count = 0
-    stride = int(np.ceil((2.0 * g.radius + 1.0) ** 2 / _MOST_PIXELS))
-    for y in range(y0, y1):
-        for x in range(x0, x1):
-            if (x * 7 + y * 3) % stride or count >= len(room.places):
-                continue
-            px, py = floor_at(g.nodes, x, y)
-            if not _is_free(px, py, known.plates):
-                continue
-            room.places[count, 0], room.places[count, 1] = px - known.pose[0], py - known.pose[1]
-            b, green, r = float(image[y, x, 0]), float(image[y, x, 1]), float(image[y, x, 2])
-            if separate:
-                room.values[count, 0], room.values[count, 1], room.values[count, 2] = b, green, r
-            else:
-                _to_ycc(b, green, r, room.values[count])
-            count += 1
-    return count
-
-
-@compiled_part
-def _is_free(x: float, y: float, plates: Floats) -> bool:
-    """Whether a floor point lies on none of some convex plates (P, V, 2)."""
-    corners = plates.shape[1]
-    for n in range(len(plates)):
-        left, right = False, False
-        for k in range(corners):
-            x0, y0 = plates[n, k, 0], plates[n, k, 1]
-            x1, y1 = plates[n, (k + 1) % corners, 0], plates[n, (k + 1) % corners, 1]
-            side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
-            left, right = left or side > 0.0, right or side < 0.0
-        if not (left and right):
-            return False
-    return True
-
-
-@compiled_part
-def _look(
-    cells: Singles, cell: float, x: float, y: float, covers: Floats, slopes: Floats
-) -> None:
-    """Coverages of the parts, and of the floor last, at a place of the tag, and slopes [1/m]."""
-    n, parts, last = cells.shape[0], cells.shape[2], cells.shape[0] - 1.001
-    x = min(max(x / cell + n // 2, 0.0), last)
-    y = min(max(y / cell + n // 2, 0.0), last)
-    i, j = int(x), int(y)
-    u, v = x - i, y - j
-    covers[parts], slopes[0, parts], slopes[1, parts] = 1.0, 0.0, 0.0
-    for k in range(parts):
-        one, two = cells[j, i, k], cells[j, i + 1, k]
-        three, four = cells[j + 1, i, k], cells[j + 1, i + 1, k]
-        step, twist = two - one, (four - three) - (two - one)
-        slope = (three - one) + u * twist
-        covers[k] = one + u * step + v * slope
-        slopes[0, k], slopes[1, k] = (step + v * twist) / cell, slope / cell
-        covers[parts] -= covers[k]
-        slopes[0, parts] -= slopes[0, k]
-        slopes[1, parts] -= slopes[1, k]
-
-
-@compiled_part
-def _expect(
-    g: Gauge, known: Known, luma: Singles, count: int, separate: bool, room: _Room,
-    typical: Floats, spread: Floats,
-) -> None:  # fmt: skip
-    """Colours to expect of the parts and the floor, and how sure they are."""
-    parts = len(typical) - 1
-    covers, slopes = room.covers[0], room.slopes[0]
-    logs, floor, many, around = np.empty(count), np.empty((3, count)), 0, 0
-    shown, own = np.empty(3), np.empty((parts, 3))
-    c, s = np.cos(known.pose[2]), np.sin(known.pose[2])
-    for k in range(parts):
-        b, green, r = known.colors[k, 0], known.colors[k, 1], known.colors[k, 2]
-        own[k, 0], own[k, 1], own[k, 2] = b, green, r
-        if not separate:
-            _to_ycc(b, green, r, own[k])
-    for n in range(count):
-        x, y = c * room.places[n, 0] + s * room.places[n, 1], c * room.places[n, 1] - s * room.places[n, 0]
-        _look(luma, g.pixels.cell, x, y, covers, slopes)
-        if covers[parts] > 0.97:
-            for channel in range(3):
-                floor[channel, around] = room.values[n, channel]
-            around += 1
-        for k in range(parts):
-            if covers[k] < _CORE or own[k].max() <= 0.0:
-                continue
-            length, like, size = 0.0, 0.0, 0.0
-            for channel in range(3):
-                shown[channel] = room.values[n, channel]
-                length += shown[channel] ** 2
-                size += own[k, channel] ** 2
-                like += shown[channel] * own[k, channel]
-            if like > 0.97 * np.sqrt(length * size) and length > 400.0:
-                logs[many] = np.log(like / size)
-                many += 1
-    light = np.exp(np.median(logs[:many])) if many >= 4 else 1.0
-    light = min(max(light, 0.4), 1.6)
-    for channel in range(3):
-        typical[parts, channel] = np.median(floor[channel, :around]) if around else 60.0
-        spread[parts, channel] = _FREE
-        for k in range(parts):
-            typical[k, channel] = light * own[k, channel]
-            loose = _TINT * light * np.sqrt((own[k] ** 2).sum())
-            if own[k].max() <= 0.0:
-                typical[k, channel] = 10.0 if channel == 0 or separate else 0.0
-                loose = _DARK
-            spread[k, channel] = np.hypot(loose, _DARK)
+    return hidden, np.sqrt(sums.squares.sum() / max(sums.totals[1], 1e-9))
 
 
 @compiled_part
 def _sum_up(
-    g: Gauge, luma: Singles, chroma: Singles, known: Known, pose: Floats, colors: Floats,
-    slack: Floats, count: int, room: _Room, sums: _Sums,
-) -> float:  # fmt: skip
+    g: Gauge, known: Known, tag: _Tag, slack: Floats, count: int, pixels: Pixels, sums: _Sums
+) -> float:
     """Weigh the samples, and set up their normal equations; share of the tag's that are strange."""
-    parts, on, out = len(colors) - 1, 0, 0
-    sums.normal[:], sums.pull[:], sums.squares[:] = 0.0, 0.0, 0.0
-    c, s = np.cos(pose[2]), np.sin(pose[2])
+    last, on, out = len(tag.colors) - 1, 0, 0
+    sums.normal[:], sums.pull[:], sums.squares[:], sums.totals[:] = 0.0, 0.0, 0.0, 0.0
+    c, s = np.cos(tag.pose[2]), np.sin(tag.pose[2])
+    covers, slopes = pixels.covers, pixels.slopes
     for n in range(count):
-        dx = room.places[n, 0] + known.pose[0] - pose[0]
-        dy = room.places[n, 1] + known.pose[1] - pose[1]
+        dx = pixels.places[n, 0] + known.pose[0] - tag.pose[0]
+        dy = pixels.places[n, 1] + known.pose[1] - tag.pose[1]
         x, y = c * dx + s * dy, c * dy - s * dx
-        _look(luma, g.pixels.cell, x, y, room.covers[0], room.slopes[0])
-        if room.covers[0, parts] > _FLOOR:
+        look_at(tag.luma, g.pixels.cell, x, y, covers[0], slopes[0])
+        if covers[0, last] > _FLOOR:
             continue
         if len(g.pixels.noise) == 1:
-            _look(chroma, g.colors.cell, x, y, room.covers[1], room.slopes[1])
-        square = _compare(g, x, y, room.values[n], colors, slack, room)
+            look_at(tag.chroma, g.colors.cell, x, y, covers[1], slopes[1])
+        square = _compare(g, x, y, pixels.values[n], tag.colors, slack, pixels, sums.seen)
         weight = (_CUT / (_CUT + square)) ** 2
-        if room.covers[0, parts] < 1.0 - _ON:
+        if covers[0, last] < 1.0 - _ON:
             on += 1
             out += weight < _OWN
         if weight > _NOTHING:
-            _add(g, weight, room, sums)
+            _add(g, weight, pixels, sums)
     return out / max(on, 1)
 
 
 @compiled_part
 def _compare(
-    g: Gauge, x: float, y: float, value: Floats, colors: Floats, slack: Floats, room: _Room
-) -> float:
-    """Residuals and slopes of a sample into the room; the squared residual, normalised."""
-    square, parts = 0.0, len(colors) - 1
+    g: Gauge, x: float, y: float, value: Floats, colors: Floats, slack: Floats, pixels: Pixels,
+    seen: Floats,
+) -> float:  # fmt: skip
+    """Residuals and slopes of a sample (4, 3); returns the squared residual, normalised."""
+    square = 0.0
     for channel in range(3):
         noise, _, plane = _plane(g, channel)
         off, ahead, aside, bright = value[channel], 0.0, 0.0, 0.0
-        for k in range(parts + 1):
-            color = colors[k, channel]
-            off -= room.covers[plane, k] * color
-            ahead -= room.slopes[plane, 0, k] * color
-            aside -= room.slopes[plane, 1, k] * color
-            bright += room.covers[plane, k] * abs(color)
+        for k in range(len(colors)):
+            color, cover = colors[k, channel], pixels.covers[plane, k]
+            off, bright = off - cover * color, bright + cover * abs(color)
+            ahead -= pixels.slopes[plane, 0, k] * color
+            aside -= pixels.slopes[plane, 1, k] * color
         turn = x * aside - y * ahead
-        room.seen[0, channel], room.seen[1, channel] = off, ahead
-        room.seen[2, channel], room.seen[3, channel] = aside, turn
+        seen[0, channel], seen[1, channel], seen[2, channel] = off, ahead, aside
+        seen[3, channel] = turn
         allowed = (
             noise + (_SHADE * bright) ** 2 + (slack[0] * ahead) ** 2 + (slack[1] * aside) ** 2
             + (slack[2] * turn) ** 2
@@ -294,105 +166,66 @@ def _compare(
 
 
 @compiled_part
-def _add(g: Gauge, weight: float, room: _Room, sums: _Sums) -> None:
+def _add(g: Gauge, weight: float, pixels: Pixels, sums: _Sums) -> None:
     """Add a sample to the normal equations."""
-    kinds, design = room.covers.shape[1], room.design
-    sums.squares[3] += weight
+    kinds, seen = pixels.covers.shape[1], sums.seen
+    sums.totals[0] += weight
     for channel in range(3):
         noise, share, plane = _plane(g, channel)
-        off = room.seen[0, channel]
-        for k in range(kinds):
-            design[k] = room.covers[plane, k]
-        for k in range(3):
-            design[kinds + k] = room.seen[1 + k, channel]
+        off = seen[0, channel]
         sums.squares[channel] += weight * off * off / noise
-        sums.squares[4] += weight * (design[kinds] ** 2 + design[kinds + 1] ** 2) / noise
+        sums.totals[1] += weight * (seen[1, channel] ** 2 + seen[2, channel] ** 2) / noise
         factor = weight * share / noise
         for j in range(kinds + 3):
-            one = factor * design[j]
-            sums.pull[channel, j] += one * off
+            one = pixels.covers[plane, j] if j < kinds else seen[j - kinds + 1, channel]
+            sums.pull[channel, j] += factor * one * off
             for k in range(j + 1):
-                sums.normal[channel, j, k] += one * design[k]
+                two = pixels.covers[plane, k] if k < kinds else seen[k - kinds + 1, channel]
+                sums.normal[channel, j, k] += factor * one * two
 
 
 @compiled_part
 def _plane(g: Gauge, channel: int) -> tuple[float, float, int]:
     """Variance, independence and template of a channel."""
-    if len(g.pixels.noise) == 3:
+    if len(g.pixels.noise) == 3 or channel == 0:
         return g.pixels.noise[channel] ** 2 + _ROUNDING, 1.0, 0
-    if channel == 0:
-        return g.pixels.noise[0] ** 2 + _ROUNDING, 1.0, 0
-    return g.colors.noise[channel - 1] ** 2 + _ROUNDING, 0.25 * g.colors.independence, 1
+    return g.colors.noise[channel - 1] ** 2 + _ROUNDING, _SQUARE * g.colors.independence, 1
 
 
 @compiled_part
-def _solve(
-    known: Known, typical: Floats, spread: Floats, prior: float, sums: _Sums, pose: Floats, colors: Floats, covariance: Floats,
-) -> None:  # fmt: skip
-    """Solve the normal equations (3, M, M), lower halves, and take the step."""
-    parts, normal, pull = len(colors) - 1, sums.normal, sums.pull
-    own, step, c, s = np.zeros((3, 3)), np.zeros(3), np.cos(pose[2]), np.sin(pose[2])
-    inverses, work = np.empty((3, parts + 1, parts + 1)), np.empty((parts + 1, parts + 1))
-    for channel in range(3):
-        scale = (20.0 + sums.squares[3]) / (20.0 + sums.squares[channel])  # residuals tell the noise
-        for k in range(parts + 1):
-            for j in range(k + 1):
-                work[k, j] = work[j, k] = scale * normal[channel, k, j]
-            work[k, k] += spread[k, channel] ** -2.0
-            pull[channel, k] = (
-                scale * pull[channel, k]
-                + (typical[k, channel] - colors[k, channel]) * spread[k, channel] ** -2.0
-            )
-        invert(work, inverses[channel])
-        for i in range(3):
-            a = parts + 1 + i
-            step[i] += scale * pull[channel, a]
-            for j in range(3):
-                b = parts + 1 + j
-                own[i, j] += scale * normal[channel, max(a, b), min(a, b)]
-                for p in range(parts + 1):
-                    for q in range(parts + 1):
-                        own[i, j] -= (
-                            scale * scale * normal[channel, a, p] * inverses[channel, p, q]
-                            * normal[channel, b, q]
-                        )  # fmt: skip
-            for p in range(parts + 1):
-                for q in range(parts + 1):
-                    step[i] -= scale * normal[channel, a, p] * inverses[channel, p, q] * pull[channel, q]
-        normal[channel] *= scale
-    dx, dy = known.pose[0] - pose[0], known.pose[1] - pose[1]
-    turn = (known.pose[2] - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
-    back = (c * dx + s * dy, c * dy - s * dx, turn)
-    for i in range(3):
-        own[i, i] += prior * known.spread[i] ** -2.0
-        step[i] += prior * known.spread[i] ** -2.0 * back[i]
-    invert(own, covariance)
-    move = np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            move[i] += covariance[i, j] * step[j]
-    longest = max(abs(move[0]), abs(move[1])) / known.spread[0]
-    move /= max(longest, 1.0)
-    for channel in range(3):
-        for p in range(parts + 1):
-            for q in range(parts + 1):
-                rest = pull[channel, q]
-                for j in range(3):
-                    rest -= normal[channel, parts + 1 + j, q] * move[j]
-                colors[p, channel] += inverses[channel, p, q] * rest
-    pose[0] += c * move[0] - s * move[1]
-    pose[1] += s * move[0] + c * move[1]
-    pose[2] += move[2]
+def _solve(known: Known, tag: _Tag, prior: float, sums: _Sums, covariance: Floats) -> None:
+    """Take a Gauss-Newton step: brightnesses are eliminated, and follow from the pose's step."""
+    kinds, pose = len(tag.colors), tag.pose
+    c, s = np.cos(pose[2]), np.sin(pose[2])
     turned = np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))
+    away = known.pose - pose
+    away[2] = (away[2] + np.pi) % (2.0 * np.pi) - np.pi
+    sure = prior * known.spread**-2.0
+    own, pull = np.diag(sure), sure * (turned.T @ away)
+    inner, shared = np.empty((3, kinds, kinds)), np.empty((3, 3, kinds))
+    pulls, work = np.empty((3, kinds)), np.empty((kinds, kinds))
+    for channel in range(3):
+        # residuals tell the noise
+        scale = (_PRIOR + sums.totals[0]) / (_PRIOR + sums.squares[channel])
+        normal, certain = scale * sums.normal[channel], tag.spread[:, channel] ** -2.0
+        for j in range(kinds + 3):
+            normal[:j, j] = normal[j, :j]
+        work[:] = normal[:kinds, :kinds] + np.diag(certain)
+        invert(work, inner[channel])
+        shared[channel] = normal[kinds:, :kinds]
+        pulls[channel] = scale * sums.pull[channel, :kinds] + certain * (
+            tag.typical[:, channel] - tag.colors[:, channel]
+        )
+        explained = shared[channel] @ inner[channel]
+        own += normal[kinds:, kinds:] - explained @ shared[channel].T
+        pull += scale * sums.pull[channel, kinds:] - explained @ pulls[channel]
+    invert(own, covariance)
+    move = covariance @ pull
+    move /= max(max(abs(move[0]), abs(move[1])) / known.spread[0], 1.0)
+    for channel in range(3):
+        tag.colors[:, channel] += inner[channel] @ (pulls[channel] - shared[channel].T @ move)
+    pose += turned @ move
     covariance[:] = turned @ covariance @ turned.T
-
-
-@compiled_part
-def _to_ycc(blue: float, green: float, red: float, ycc: Floats) -> None:
-    """Luma, blue and red chroma, BT.601."""
-    ycc[0] = 0.114 * blue + 0.587 * green + 0.299 * red
-    ycc[1] = 0.5 * blue - 0.331264 * green - 0.168736 * red
-    ycc[2] = -0.081312 * blue - 0.418688 * green + 0.5 * red
 
 
 @compiled_part

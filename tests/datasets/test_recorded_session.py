@@ -158,6 +158,7 @@ time.sleep(60)
 """
 
 
+@pytest.mark.realtime
 def test_killed_recorder_keeps_all_but_the_last_half_second(tmp_path: Path) -> None:
     path = tmp_path / "killed.mcap"
     environment = os.environ | {"PYTHONPATH": "."}
@@ -230,6 +231,7 @@ def test_is_session(session: Path, tmp_path: Path) -> None:
     assert not is_session(Path(__file__))
 
 
+@pytest.mark.realtime
 def test_real_time_drops_are_counted_and_written(
     tmp_path: Path, run: list[Moment], monkeypatch: pytest.MonkeyPatch
 ) -> None:

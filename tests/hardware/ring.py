@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
+from math import inf
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -32,6 +33,7 @@ from tests.hardware.miabot_robot import Miabot, Ptys
 from tests.hardware.streams import MjpegServer, Streamer, UdpSender
 
 ROOT = Path(__file__).parents[2]
+OPENING = 1.0  # from the first frame a program looks at to its first command, about [s]
 
 
 class Outside:
@@ -139,6 +141,21 @@ class Outside:
         with self._lock:
             self.world.advance(t)
             self.world.command(robot_id, twist, t + self._scenario.radio.delay_s)
+
+
+def lateness(truth: dict[str, Any]) -> float:
+    """How late the world was at worst while it was driven: the machine was busy elsewhere.
+
+    Args:
+        truth: see `Outside.truth`.
+
+    Returns:
+        From the moment a frame shows to the moment it was sent [s].
+    """
+    told = [command[0] for robot in truth["robots"] for command in robot["commands"]]
+    begin, end = (min(told) - OPENING, max(told)) if told else (0.0, inf)
+    frames = [frame for frame in truth["frames"] if begin <= frame["t"] <= end]
+    return max((frame["published_t"] - frame["t"] for frame in frames), default=0.0)
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,14 @@ import numpy as np
 import pytest
 
 from control.geometry import wrap_angle
-from tests.hardware.ring import ring
+from tests.hardware.ring import lateness, ring
 from tests.pipeline.commands import echelon
+
+pytestmark = pytest.mark.realtime
 
 SECONDS = 10.8
 SLOWER = ("leader.speed_mps=0.35", f"duration_s={SECONDS}")  # so that the path lasts as long
+LATE, TRIES = 0.1, 3  # of the world's frames: then the machine was at fault [s]
 WANTED = {2: (0.15, 135.0), 3: (0.30, -135.0)}  # after the change of size [m, deg]
 
 
@@ -29,22 +32,41 @@ def relative(robots: list[dict[str, Any]], follower: int) -> tuple[float, float]
     return hypot(x, y), wrap_angle(pi + atan2(y, x) - i["theta_rad"])
 
 
+Told = tuple[dict[str, Any], dict[str, Any]]
+
+
+def driven(stream: str, latency: float, folder: Path) -> Told:
+    """One run: what the program says of it, and the truth. Its session is ring.mcap."""
+    changes = [
+        part for text in (*SLOWER, f"camera.latency_s={latency}") for part in ("--set", text)
+    ]
+    with ring(folder, stream=stream) as outside:
+        done = echelon(
+            "live", "paper", "--camera", outside.url, "--radio", outside.radio,
+            "--record", folder / "ring.mcap", "--duration", 30, *changes, "--json",
+        )  # fmt: skip
+        truth = outside.finish()
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout), truth
+
+
+def driven_on_time(stream: str, latency: float, folder: Path) -> Told:
+    """The same, again if there was a safety event while the world itself came too late."""
+    for attempt in range(TRIES):
+        place = folder / str(attempt)
+        place.mkdir()
+        result, truth = driven(stream, latency, place)
+        if not result["safety_events"] or lateness(truth) < LATE:
+            break
+    (place / "ring.mcap").rename(folder / "ring.mcap")
+    return result, truth
+
+
 @pytest.mark.parametrize(("stream", "latency"), [("mjpeg", 0.0035), ("udp", 0.036)])
 def test_the_formation_drives_through_real_links(
     stream: str, latency: float, tmp_path: Path
 ) -> None:
-    changes = [
-        part for text in (*SLOWER, f"camera.latency_s={latency}") for part in ("--set", text)
-    ]
-    session = tmp_path / "ring.mcap"
-    with ring(tmp_path, stream=stream) as outside:
-        done = echelon(
-            "live", "paper", "--camera", outside.url, "--radio", outside.radio,
-            "--record", session, "--duration", 30, *changes, "--json",
-        )  # fmt: skip
-        truth = outside.finish()
-    assert done.returncode == 0, done.stderr
-    result = json.loads(done.stdout)
+    result, truth = driven_on_time(stream, latency, tmp_path)
     assert result["duration_s"] > 10.0
     assert result["frames"] > 0.9 * 30 * SECONDS
     assert not result["safety_events"]
@@ -59,7 +81,7 @@ def test_the_formation_drives_through_real_links(
         error = seen[:, 0] - distance, np.unwrap(seen[:, 1]) - radians(bearing)
         assert 1e3 * np.sqrt(np.mean(error[0] ** 2)) < 12.0  # mm
         assert degrees(np.sqrt(np.mean(error[1] ** 2))) < 5.0
-    assert echelon("replay", session, "--compare").returncode == 0
+    assert echelon("replay", tmp_path / "ring.mcap", "--compare").returncode == 0
 
 
 def moved(frames: list[dict[str, Any]], n: int) -> bool:

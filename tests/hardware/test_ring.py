@@ -14,9 +14,10 @@ from pipeline.cameras.stream import open_stream
 from pipeline.clock import MonotonicClock
 from pipeline.radios.miabot import MiabotSettings
 from pipeline.radios.open import open_radio
-from tests.hardware.ring import ring
+from tests.hardware.ring import lateness, ring
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("stream", ["mjpeg", "udp"])
 def test_robots_driven_through_the_air_are_seen_to_move(stream: str, tmp_path: Path) -> None:
     clock = MonotonicClock()
@@ -50,3 +51,13 @@ def test_robots_driven_through_the_air_are_seen_to_move(stream: str, tmp_path: P
     first, last = (truth["frames"][n]["robots"][0] for n in (0, -1))
     assert 0.25 < last["x_m"] - first["x_m"] < 0.55
     json.dumps(truth)
+
+
+def test_only_lateness_while_robots_are_driven_is_the_machines() -> None:
+    frames = [
+        {"t": float(t), "published_t": t + (0.5 if t in (2, 29) else 0.01)} for t in range(30)
+    ]
+    truth = {"frames": frames, "robots": [{"commands": [(10.0, 0, 0), (20.0, 0, 0)]}]}
+    assert abs(lateness(truth) - 0.01) < 1e-9
+    frames[15]["published_t"] = 15.3
+    assert abs(lateness(truth) - 0.3) < 1e-9

@@ -12,6 +12,8 @@ from pipeline.errors import CameraError
 from pipeline.ports import EndOfStream
 from vision.frame import Frame
 
+pytestmark = pytest.mark.realtime
+
 
 class Script:
     """A reader that gives pictures with the times it is told, each when it is let go on."""

@@ -9,6 +9,8 @@ from pipeline.cameras.stream import open_stream, public_name
 from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError
 
+pytestmark = pytest.mark.realtime
+
 CLOCK = MonotonicClock()
 
 

@@ -84,6 +84,7 @@ def test_the_end_comes_after_the_last_picture() -> None:
     assert times == [0.0, 1 / FPS, 2 / FPS]
 
 
+@pytest.mark.realtime
 def test_the_virtual_clock_jumps_and_the_real_one_waits() -> None:
     virtual = VirtualClock()
     assert virtual.wait_until(5.0) == 5.0

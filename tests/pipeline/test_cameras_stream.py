@@ -20,6 +20,8 @@ from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError
 from tests.hardware.streams import MjpegServer, Streamer, UdpSender
 
+pytestmark = pytest.mark.realtime
+
 FPS = 30.0
 SIZE = (320, 240)
 CLOCK = MonotonicClock()

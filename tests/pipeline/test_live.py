@@ -1,5 +1,6 @@
 """However a run ends, every robot is told to stop and everything is closed."""
 
+import gc
 from dataclasses import replace
 
 import pytest
@@ -117,3 +118,24 @@ def test_without_a_radio_simulated_robots_stand(setup: Setup) -> None:
     run(setup, replace(rig, observers=(keeper,)), 0.01, 1.0)
     assert any(moment.cycle.commands for moment in keeper.moments)
     assert all(robot.state.v == 0.0 for moment in keeper.moments for robot in moment.truth)
+
+
+def test_the_time_counts_from_the_first_tick(setup: Setup) -> None:
+    (rig, _), keeper = new_rig(), Keeper()
+    rig.clock.wait_until(2.0)  # what was opened first has read the clock
+    assert run(setup, replace(rig, observers=(keeper,)), 0.01, 0.5) == "time"
+    assert 2.4 < keeper.moments[-1].tick.t < 2.6
+
+
+def test_garbage_is_not_sought_among_what_was_set_up(setup: Setup) -> None:
+    class Counting(Keeper):
+        def observe(self, moment: Moment) -> None:
+            super().observe(moment)
+            frozen.append(gc.get_freeze_count())
+
+    frozen: list[int] = []
+    before = gc.get_freeze_count()
+    (rig, _) = new_rig()
+    run(setup, replace(rig, observers=(Counting(),)), 0.01, 0.1)
+    assert min(frozen) > before + 50_000  # objects: all modules, and what they made
+    assert gc.get_freeze_count() <= before

@@ -15,6 +15,8 @@ from pipeline.errors import RadioError
 from pipeline.radios.miabot import MiabotPort, MiabotRadio, MiabotSettings
 from tests.hardware.miabot_robot import Miabot, Ptys
 
+pytestmark = pytest.mark.realtime
+
 CLOCK = MonotonicClock()
 DEFAULTS = MiabotSettings()
 

@@ -88,6 +88,7 @@ def test_goes_on_when_the_camera_is_silent(stage: Stage, run: list[Moment], tmp_
     assert taken > 0.8  # s: the last drawn is near the end
 
 
+@pytest.mark.realtime
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_dead_or_stuck_viewer_is_left_behind(
     stage: Stage, run: list[Moment], tmp_path: Path, how: signal.Signals,
@@ -110,6 +111,7 @@ def listening() -> bool:
         return probe.connect_ex(("127.0.0.1", 9876)) == 0
 
 
+@pytest.mark.realtime
 def test_live_viewer_gets_the_run(stage: Stage, run: list[Moment]) -> None:
     """Rerun's own server stands in for the window, which needs a screen."""
     import rerun_cli

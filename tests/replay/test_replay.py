@@ -52,6 +52,7 @@ def test_another_scenario_answers_what_if(session: Path) -> None:
     assert "own scenario" in refused.stderr
 
 
+@pytest.mark.realtime
 def test_sigkill_leaves_a_session_that_replays(tmp_path: Path) -> None:
     path = tmp_path / "killed.mcap"
     process = subprocess.Popen(
@@ -74,6 +75,7 @@ def test_sigkill_leaves_a_session_that_replays(tmp_path: Path) -> None:
     assert "cut off" in done.stdout
 
 
+@pytest.mark.realtime
 def test_ctrl_c_stops_robots_and_closes_the_recording(tmp_path: Path) -> None:
     path = tmp_path / "interrupted.mcap"
     process = subprocess.Popen(

@@ -1,6 +1,6 @@
 """What lies on tags or beside them in the tests: strips, hands, cables and other robots."""
 
-from dataclasses import replace
+from collections.abc import Callable
 
 import cv2
 import numpy as np
@@ -73,7 +73,7 @@ class Desk:
     ) -> tuple[NDArray[np.float32], tuple[float, float, float]]:
         """Something of a random colour over a share of a plate, from a random side."""
         u, v = np.meshgrid(*[np.linspace(-0.5 * SIDE, 0.5 * SIDE, 61)] * 2)
-        field, c, s = _field(kind, share, rng), np.cos(pose[2]), np.sin(pose[2])
+        field, c, s = _field(kind, rng), np.cos(pose[2]), np.sin(pose[2])
         limits = np.quantile(field(u, v), _range(kind, share, rng))
         middle = self.eye.camera.tag_pixels(pose[None])[0]
         first, w = np.floor(middle).astype(int) - 40, 81
@@ -92,7 +92,7 @@ class Desk:
         return mask, COLORS[rng.integers(len(COLORS))]
 
 
-def _field(kind: str, share: float, rng: np.random.Generator):  # type: ignore[no-untyped-def]
+def _field(kind: str, rng: np.random.Generator) -> Callable[[Floats, Floats], Floats]:
     """A function of the plate's frame of which the cover is a range of values."""
     angle, radius = rng.uniform(-np.pi, np.pi), rng.uniform(0.03, 0.08)
     c, s, aside = np.cos(angle), np.sin(angle), rng.uniform(-0.025, 0.025)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.nothing import LAYOUTS, SIDES_PX, nobodys_eye, nothings
 from tests.pipeline.commands import ROOT
 from tests.vision.hostile import fuzz
 from tests.vision.worlds import World, make_world, paper_camera, two_patch_tags
@@ -63,6 +64,14 @@ def test_noise_is_nobody(paper: World) -> None:
             noise = rng.integers(0, 256, (240, 320, 3))
         image = np.clip(noise, 0, 255).astype(np.uint8)
         assert locate(as_frame(image, 0.0, number), paper.eye).detections == ()
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_clouds_of_colour_are_nobody(layout: str) -> None:
+    for side_px in SIDES_PX:  # 9 600 looks of `benchmarks.nothing 800` showed one robot
+        eye = nobodys_eye(layout, side_px)
+        for nothing in nothings(90):
+            assert locate(nothing.frame, eye).detections == (), nothing.kind
 
 
 @given(seed=st.integers(0, 2**32 - 1))

@@ -149,7 +149,7 @@ def test_thinning_large_tags_keeps_the_accuracy() -> None:
     camera = overhead_camera((640, 480), 0.9, (0.1, 0.2), 2.0, 0.075)
     world = make_world(camera=camera)
     pixels = world.eye.gauge.pixels
-    assert (pixels.shares[..., 1:] / pixels.row_steps[..., None]).max() < 0.7 * 2**32
+    assert (pixels.shares[..., 1:] / pixels.strides.prod(axis=3, keepdims=True)).max() < 0.7 * 2**32
     errors, _ = fitted(world, seed=15, frames=6)
     position, heading = rms(errors)
     assert position < 0.031

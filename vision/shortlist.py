@@ -1,0 +1,72 @@
+"""Which candidates are worth how many steps of the fit: the promising ones get more.
+
+In a picture full of the tags' colours there are hundreds of places that might be tags. Steps are
+counted, not seconds, so that the same picture always gives the same robots.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vision.eye import Eye
+from vision.identify import Candidates
+from vision.pose import Fit, fit_poses
+
+Bytes = NDArray[np.uint8]
+Indices = NDArray[np.intp]
+
+_STEPS = 16  # at most, of Gauss-Newton; 2 or 3 are usual
+_ROUNDS = (2, 2, 4, 8)  # steps, if there are many candidates: ever fewer of them go on
+_SHARE = 0.5  # of the steps that are left, for each of these rounds
+_SETTLED_PX = 0.1  # who moved less in a round is not fitted further
+_EFFORT, _EFFORT_PER_TAG = 56, 8  # steps of a frame: in all, and per tag and pair of anchors
+
+
+def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates, Fit]:
+    """Fit candidates, with a limited number of steps in all.
+
+    Args:
+        image: shape (H, W, 3), BGR.
+        eye: templates and camera.
+        candidates: best first.
+
+    Returns:
+        The candidates that were looked at, and their fits.
+    """
+    left = _EFFORT + _EFFORT_PER_TAG * sum(len(s.tags) * len(s.anchors) for s in eye.shapes)
+    if len(candidates) * _STEPS <= left:
+        return candidates, _fitted(image, eye, candidates, _STEPS)
+    candidates = candidates.take(slice(int(_SHARE * left / _ROUNDS[0])))
+    fit = _fitted(image, eye, candidates, _ROUNDS[0])
+    left -= len(candidates) * _ROUNDS[0]
+    moving = np.ones(len(candidates), np.bool_)
+    for steps in _ROUNDS[1:]:
+        ranked = np.flatnonzero(moving)
+        ranked = ranked[fit.residual_px[ranked].argsort(kind="stable")]
+        chosen = ranked[: int(_SHARE * left / steps)]
+        if len(chosen) == 0:
+            break
+        left -= len(chosen) * steps
+        before = fit.poses[chosen]
+        more = _fitted(image, eye, _moved(candidates, fit, chosen, eye), steps)
+        _put(fit, chosen, more)
+        moved = np.hypot(*(fit.poses[chosen] - before)[:, :2].T)
+        moving[:] = False
+        moving[chosen] = moved * float(eye.gauge.scales[-1]) > _SETTLED_PX
+    return candidates, fit
+
+
+def _fitted(image: Bytes, eye: Eye, some: Candidates, steps: int) -> Fit:
+    return fit_poses(image, eye.gauge, some.shapes, some.poses, some.centers, steps)
+
+
+def _moved(candidates: Candidates, fit: Fit, chosen: Indices, eye: Eye) -> Candidates:
+    """Some candidates, from where their fits have come."""
+    poses = np.nan_to_num(fit.poses[chosen])
+    centers = np.nan_to_num(eye.camera.tag_pixels(poses))
+    return Candidates(candidates.shapes[chosen], poses, centers, candidates.agreement[chosen])
+
+
+def _put(fit: Fit, chosen: Indices, other: Fit) -> None:
+    """Put another fit in the place of some rows."""
+    fit.poses[chosen], fit.covariances[chosen] = other.poses, other.covariances
+    fit.residual_px[chosen], fit.colors[chosen] = other.residual_px, other.colors
