@@ -19,10 +19,15 @@ from vision.veil import fit_veiled
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
+Flags = NDArray[np.bool_]
 
-_DOUBTFUL_PX, _DOUBTFUL = 0.17, 1.5  # misfit that makes one think: pixels, times the usual one
+_DOUBTFUL_PX, _DOUBTFUL_SHARE, _DOUBTFUL = 0.17, 0.006, 1.8  # misfit that makes one think: in
+# pixels, of the tag's side, times the usual one
 _LEAST = 0.12  # strange share of a tag's pixels from which on something lies on it
 _MOST = 0.8  # and up to which it may be believed
+_GONE = 0.9  # share of a part from which on nothing is seen of it
+_SURPRISE, _SURPRISE_RAD = 0.003, 0.1  # from where a robot is expected: a fit stays there
+_DOUBT = np.diag((0.002**2, 0.002**2, 0.06**2))  # of a doubtful fit that did [m^2, rad^2]
 _TOLD_PX = 0.045  # standard deviation of a covered tag that may be believed, at most
 _SLACKS = np.array((1.0, 0.6, 0.36, 0.2, 0.12, 0.08, 0.08))  # of the pose, from step to step
 _MARGIN = 0.0003  # and at least [m]
@@ -45,16 +50,18 @@ class Followed(NamedTuple):
     spreads: Floats
 
 
-def doubtful_px(usual_px: float) -> float:
+def doubtful_px(eye: Eye, usual_px: float) -> float:
     """Misfit of a tracked tag beyond which something may lie on it.
 
     Args:
+        eye: tags and camera.
         usual_px: misfit of tags through this camera [px].
 
     Returns:
         The limit [px].
     """
-    return max(_DOUBTFUL_PX, _DOUBTFUL * usual_px)
+    side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
+    return max(_DOUBTFUL_PX, _DOUBTFUL_SHARE * side_px, _DOUBTFUL * usual_px)
 
 
 def follow_up(tags: Indices, poses: Floats, predictions: list[Prediction]) -> Followed:
@@ -74,8 +81,9 @@ def follow_up(tags: Indices, poses: Floats, predictions: list[Prediction]) -> Fo
 
 
 def uncover(
-    image: Bytes, eye: Eye, fit: Fit, followed: Followed, doubtful: Indices, gains: Floats
-) -> tuple[Indices, Floats]:
+    image: Bytes, eye: Eye, fit: Fit, followed: Followed, doubtful: Indices, good: Flags,
+    gains: Floats,
+) -> tuple[Indices, Floats]:  # fmt: skip
     """Fit doubtful robots without what is not their own.
 
     Args:
@@ -84,23 +92,44 @@ def uncover(
         fit: of all robots; rows of those that are seen well enough are put in their place.
         followed: the robots.
         doubtful: shape (R,), which of them to fit again.
+        good: shape (N,), which could be accepted as they are: near where they are expected they
+            are, if nothing better is found, but less is known of them.
         gains: shape (3,), factors of the light on the palette's colours, BGR.
 
     Returns:
         Those of which too much is covered, shape (C,), and the share of each that is.
     """
     veiled, shares = [], []
-    known_poses = _likely(fit, followed, doubtful)
+    known_poses, stayed = _likely(fit, followed, doubtful), _stayed(fit.poses, followed.poses)
     for n in doubtful.tolist():
-        again, hidden = _fit_again(
-            image, eye, followed, n, _beside(eye, followed, known_poses, n), gains
-        )
-        if _is_told(again, eye.gauge, hidden):
+        beside = _beside(eye, followed, known_poses, n)
+        again, hidden = _fit_again(image, eye, followed, n, beside, gains)
+        if _is_told(again, eye.gauge, hidden[-1]) and _is_known(eye, followed.tags[n], hidden):
             _put(fit, n, again)
-        elif hidden > _LEAST:
+        elif good[n] and stayed[n]:
+            fit.covariances[n] += _DOUBT
+        elif hidden[-1] > _LEAST:
             veiled.append(n)
-            shares.append(hidden)
+            shares.append(hidden[-1])
     return np.array(veiled, np.intp), np.array(shares)
+
+
+def _stayed(poses: Floats, expected: Floats) -> Flags:
+    """Which poses (N, 3) are where they were expected, as far as a tracked robot's can be told."""
+    away = poses - expected
+    turn = (away[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
+    near = np.hypot(away[:, 0], away[:, 1]) < _SURPRISE
+    return np.asarray(near & (np.abs(turn) < _SURPRISE_RAD))
+
+
+def _is_known(eye: Eye, tag: int, hidden: Floats) -> bool:
+    """Whether the parts of which something is seen have colours that no other tag has there."""
+    looks = eye.looks
+    others = (looks.shape_of == looks.shape_of[tag]) & (
+        np.array(eye.tags.alike) != eye.tags.alike[tag]
+    )
+    seen = hidden[:-1] < _GONE
+    return bool((looks.classes[others][:, seen] != looks.classes[tag, seen]).any(axis=1).all())
 
 
 def _likely(fit: Fit, followed: Followed, doubtful: Indices) -> Floats:
@@ -125,8 +154,8 @@ def _beside(eye: Eye, followed: Followed, poses: Floats, n: int) -> Floats:
 
 def _fit_again(
     image: Bytes, eye: Eye, followed: Followed, n: int, beside: Floats, gains: Floats
-) -> tuple[Fit, float]:
-    """Fit a robot (one row) without what is not its own; the share that is not."""
+) -> tuple[Fit, Floats]:
+    """Fit a robot (one row) without what is not its own; the share of parts and all that is not."""
     tag, pose = followed.tags[n], followed.poses[n]
     spread = followed.spreads[n, (0, 0, 1)]
     known = Known(
@@ -134,10 +163,10 @@ def _fit_again(
     )
     parts = eye.looks.typical.shape[1]
     again = Fit(np.empty((1, 3)), np.empty((1, 3, 3)), np.empty(1), np.empty((1, parts + 1, 3)))
-    center = eye.camera.tag_pixels(pose[None])[0]
-    hidden, misfit = fit_veiled(
+    center, hidden = eye.camera.tag_pixels(pose[None])[0], np.empty(parts + 1)
+    misfit = fit_veiled(
         image, eye.gauge, known, center, _SLACKS, _MARGIN, again.poses[0], again.covariances[0],
-        again.colors[0],
+        again.colors[0], hidden,
     )  # fmt: skip
     again.covariances[:] *= _UNSURE
     again.residual_px[0] = misfit * eye.gauge.scales[0]

@@ -92,11 +92,10 @@ def _follow(
     fit = fit_poses(frame.image, eye.gauge, start.shapes, poses, centers, _STEPS)
     verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
     lately = np.array([p.reach == 0.0 for p in known])
-    plain = verdict.good & (fit.residual_px < doubtful_px(light.misfit_px))
-    doubtful = np.flatnonzero(lately & ~plain)
+    doubtful = np.flatnonzero(lately & (fit.residual_px > doubtful_px(eye, light.misfit_px)))
     if len(doubtful):
         followed = follow_up(tags, poses, known)
-        veiled = uncover(frame.image, eye, fit, followed, doubtful, light.gains)
+        veiled = uncover(frame.image, eye, fit, followed, doubtful, verdict.good, light.gains)
         verdict = judge(fit, start, eye, possible, light.gains, _SLACK)
         verdict.refuse_covered(*veiled)
     chosen, rejected = assign(verdict, fit, start, eye, _NOWHERE, among)
@@ -129,7 +128,7 @@ def _search(
     refuse_unlike(verdict, fit, candidates.shapes, classes, eye, light.misfit_px)
     tracked = known.places[missing & (known.reach == 0.0)]
     veiled = _near(fit.poses, tracked, eye.radius) & (
-        fit.residual_px > doubtful_px(light.misfit_px)
+        fit.residual_px > doubtful_px(eye, light.misfit_px)
     )
     verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)

@@ -37,7 +37,8 @@ _FREE_STEPS, _VAGUE = 2, 1e-6  # the last steps know the pose beforehand only so
 class _Sums(NamedTuple):
     """Sums over the samples: normal equations for each channel, M = K + 4 unknowns, lower halves
     (3, M, M), and gradients (3, M); squared residuals (3,); the samples' weight and squared slopes
-    (2,). Of one sample: residuals and slopes ahead, aside and by a turn (4, 3).
+    (2,). Of one sample: residuals and slopes ahead, aside and by a turn (4, 3). Pixels on the
+    parts and on the tag: how many there are, and how many are not its own (2, K + 1).
     """
 
     normal: Floats
@@ -45,6 +46,7 @@ class _Sums(NamedTuple):
     squares: Floats
     totals: Floats
     seen: Floats
+    strange: Floats
 
 
 class _Tag(NamedTuple):
@@ -63,8 +65,8 @@ class _Tag(NamedTuple):
 @compiled
 def fit_veiled(
     image: Bytes, g: Gauge, known: Known, center: Floats, slacks: Floats, margin: float,
-    pose: Floats, covariance: Floats, colors: Floats,
-) -> tuple[float, float]:  # fmt: skip
+    pose: Floats, covariance: Floats, colors: Floats, hidden: Floats,
+) -> float:  # fmt: skip
     """Fit a tag to those pixels that can be its own.
 
     Args:
@@ -77,10 +79,11 @@ def fit_veiled(
         pose: shape (3,), receives the pose [m, m, rad].
         covariance: shape (3, 3), receives its covariance [m^2, m rad, rad^2].
         colors: shape (K + 1, 3), receives BGR of the parts and the floor.
+        hidden: shape (K + 1,), receives the share of the pixels that are not the tag's own: of the
+            parts, and of all.
 
     Returns:
-        Share of the tag's pixels that are not its own; rms misfit of the others as a displacement
-        of edges [m].
+        Misfit (rms) of the others as a displacement of edges [m].
     """
     rows, columns = g.level.shape
     row = int(min(max(center[1] / PITCH + 0.5, 0.0), rows - 1.0))
@@ -95,29 +98,31 @@ def fit_veiled(
     )
     count = collect_free(image, g, known, center, pixels)
     expect_colors(g, known, luma, count, pixels, tag.typical, tag.spread)
-    pose[:], colors[:], hidden = known.pose, tag.typical, 1.0
+    pose[:], colors[:] = known.pose, tag.typical
     sums = _Sums(
         np.empty((3, kinds + 3, kinds + 3)), np.empty((3, kinds + 3)), np.empty(3), np.empty(2),
-        np.empty((4, 3)),
+        np.empty((4, 3)), np.empty((2, kinds)),
     )  # fmt: skip
     least = np.array((margin, margin, margin / g.arm))
     for step in range(len(slacks)):
-        hidden = _sum_up(
-            g, known, tag, np.maximum(known.spread * slacks[step], least), count, pixels, sums
-        )
+        slack = np.maximum(known.spread * slacks[step], least)
+        _sum_up(g, known, tag, slack, count, pixels, sums)
         _solve(known, tag, 1.0 if step < len(slacks) - _FREE_STEPS else _VAGUE, sums, covariance)
     if not separate:
         _to_bgr(colors)
-    return hidden, np.sqrt(sums.squares.sum() / max(sums.totals[1], 1e-9))
+    for k in range(kinds):
+        hidden[k] = sums.strange[1, k] / max(sums.strange[0, k], 1.0)
+    return float(np.sqrt(sums.squares.sum() / max(sums.totals[1], 1e-9)))
 
 
 @compiled_part
 def _sum_up(
     g: Gauge, known: Known, tag: _Tag, slack: Floats, count: int, pixels: Pixels, sums: _Sums
-) -> float:
-    """Weigh the samples, and set up their normal equations; share of the tag's that are strange."""
-    last, on, out = len(tag.colors) - 1, 0, 0
+) -> None:
+    """Weigh the samples, and set up their normal equations."""
+    last = len(tag.colors) - 1
     sums.normal[:], sums.pull[:], sums.squares[:], sums.totals[:] = 0.0, 0.0, 0.0, 0.0
+    sums.strange[:] = 0.0
     c, s = np.cos(tag.pose[2]), np.sin(tag.pose[2])
     covers, slopes = pixels.covers, pixels.slopes
     for n in range(count):
@@ -131,12 +136,12 @@ def _sum_up(
             look_at(tag.chroma, g.colors.cell, x, y, covers[1], slopes[1])
         square = _compare(g, x, y, pixels.values[n], tag.colors, slack, pixels, sums.seen)
         weight = (_CUT / (_CUT + square)) ** 2
-        if covers[0, last] < 1.0 - _ON:
-            on += 1
-            out += weight < _OWN
+        for k in range(last + 1):
+            on = covers[0, k] > _ON if k < last else covers[0, last] < 1.0 - _ON
+            sums.strange[0, k] += on
+            sums.strange[1, k] += on and weight < _OWN
         if weight > _NOTHING:
             _add(g, weight, pixels, sums)
-    return out / max(on, 1)
 
 
 @compiled_part
