@@ -26,7 +26,8 @@ _DOUBTFUL_PX, _DOUBTFUL_SHARE, _DOUBTFUL = 0.17, 0.006, 1.8  # misfit that makes
 _LEAST = 0.12  # strange share of a tag's pixels from which on something lies on it
 _MOST = 0.8  # and up to which it may be believed
 _GONE = 0.9  # share of a part from which on nothing is seen of it
-_SURPRISE, _SURPRISE_RAD = 0.003, 0.1  # from where a robot is expected: a fit stays there
+_SURPRISE, _SPREADS = np.array((0.003, 0.1)), 1.5  # from where a robot is expected: a fit stays
+# there, or within so many standard deviations [m], [rad]
 _DOUBT = np.diag((0.002**2, 0.002**2, 0.06**2))  # of a doubtful fit that did [m^2, rad^2]
 _TOLD_PX = 0.045  # standard deviation of a covered tag that may be believed, at most
 _SLACKS = np.array((1.0, 0.6, 0.36, 0.2, 0.12, 0.08, 0.08))  # of the pose, from step to step
@@ -100,7 +101,7 @@ def uncover(
         Those of which too much is covered, shape (C,), and the share of each that is.
     """
     veiled, shares = [], []
-    known_poses, stayed = _likely(fit, followed, doubtful), _stayed(fit.poses, followed.poses)
+    known_poses, stayed = _likely(fit, followed, doubtful), _stayed(fit.poses, followed)
     for n in doubtful.tolist():
         beside = _beside(eye, followed, known_poses, n)
         again, hidden = _fit_again(image, eye, followed, n, beside, gains)
@@ -114,12 +115,12 @@ def uncover(
     return np.array(veiled, np.intp), np.array(shares)
 
 
-def _stayed(poses: Floats, expected: Floats) -> Flags:
+def _stayed(poses: Floats, followed: Followed) -> Flags:
     """Which poses (N, 3) are where they were expected, as far as a tracked robot's can be told."""
-    away = poses - expected
+    away, reach = poses - followed.poses, np.maximum(_SURPRISE, _SPREADS * followed.spreads)
     turn = (away[:, 2] + np.pi) % (2.0 * np.pi) - np.pi
-    near = np.hypot(away[:, 0], away[:, 1]) < _SURPRISE
-    return np.asarray(near & (np.abs(turn) < _SURPRISE_RAD))
+    near = np.hypot(away[:, 0], away[:, 1]) < reach[:, 0]
+    return np.asarray(near & (np.abs(turn) < reach[:, 1]))
 
 
 def _is_known(eye: Eye, tag: int, hidden: Floats) -> bool:
