@@ -34,7 +34,6 @@ _SLACKS = np.array((1.0, 0.6, 0.36, 0.2, 0.12, 0.08, 0.08))  # of the pose, from
 _MARGIN = 0.0003  # and at least [m]
 _LEAST_SPREAD, _MOST_SPREAD = np.array((0.002, 0.04)), np.array((0.006, 0.1))  # [m], [rad]
 _UNSURE = 2.0  # covers have rims that are half seen: factor on covariances
-_BESIDE_PX = 0.5  # plates beside a tag are blurred as far as that
 
 
 class Followed(NamedTuple):
@@ -101,10 +100,9 @@ def uncover(
         Those of which too much is covered, shape (C,), and the share of each that is.
     """
     veiled, shares = [], []
-    known_poses, stayed = _likely(fit, followed, doubtful), _stayed(fit.poses, followed)
+    stayed = _stayed(fit.poses, followed)
     for n in doubtful.tolist():
-        beside = _beside(eye, followed, known_poses, n)
-        again, hidden = _fit_again(image, eye, followed, n, beside, gains)
+        again, hidden = _fit_again(image, eye, followed, n, gains)
         if _is_told(again, eye.gauge, hidden[-1]) and _is_known(eye, followed.tags[n], hidden):
             _put(fit, n, again)
         elif good[n] and stayed[n]:
@@ -133,35 +131,13 @@ def _is_known(eye: Eye, tag: int, hidden: Floats) -> bool:
     return bool((looks.classes[others][:, seen] != looks.classes[tag, seen]).any(axis=1).all())
 
 
-def _likely(fit: Fit, followed: Followed, doubtful: Indices) -> Floats:
-    """Where the robots are (N, 3): the doubtful ones where they were expected."""
-    poses = fit.poses.copy()
-    poses[doubtful] = followed.poses[doubtful]
-    return poses
-
-
-def _beside(eye: Eye, followed: Followed, poses: Floats, n: int) -> Floats:
-    """Corners (P, V, 2) of the plates beside a robot, made larger by what the lens blurs."""
-    away = np.hypot(*(poses[:, :2] - followed.poses[n, :2]).T)
-    others = np.flatnonzero(away < 3.0 * eye.radius)
-    others = others[others != n]
-    corners = eye.looks.corners[eye.looks.shape_of[followed.tags[others]]]
-    corners = corners * (1.0 + _BESIDE_PX / (eye.gauge.arm * eye.gauge.scales[0]))
-    c, s = np.cos(poses[others, 2]), np.sin(poses[others, 2])
-    turns = np.array(((c, -s), (s, c))).transpose(2, 0, 1)
-    plates: Floats = corners @ turns.transpose(0, 2, 1) + poses[others, None, :2]
-    return plates
-
-
 def _fit_again(
-    image: Bytes, eye: Eye, followed: Followed, n: int, beside: Floats, gains: Floats
+    image: Bytes, eye: Eye, followed: Followed, n: int, gains: Floats
 ) -> tuple[Fit, Floats]:
     """Fit a robot (one row) without what is not its own; the share of parts and all that is not."""
     tag, pose = followed.tags[n], followed.poses[n]
     spread = followed.spreads[n, (0, 0, 1)]
-    known = Known(
-        int(eye.looks.shape_of[tag]), pose, spread, eye.looks.typical[tag] * gains, beside
-    )
+    known = Known(int(eye.looks.shape_of[tag]), pose, spread, eye.looks.typical[tag] * gains)
     parts = eye.looks.typical.shape[1]
     again = Fit(np.empty((1, 3)), np.empty((1, 3, 3)), np.empty(1), np.empty((1, parts + 1, 3)))
     center, hidden = eye.camera.tag_pixels(pose[None])[0], np.empty(parts + 1)

@@ -30,14 +30,12 @@ class Known(NamedTuple):
         pose: shape (3,), where it is expected [m, m, rad].
         spread: shape (3,), standard deviations of that [m, m, rad].
         colors: shape (K, 3), BGR of its parts in the present light; 0 for black.
-        plates: shape (P, V, 2), corners of the plates of robots beside it, convex [m].
     """
 
     shape: int
     pose: Floats
     spread: Floats
     colors: Floats
-    plates: Floats
 
 
 class Pixels(NamedTuple):
@@ -58,8 +56,8 @@ class Pixels(NamedTuple):
 
 
 @compiled_part
-def collect_free(image: Bytes, g: Gauge, known: Known, center: Floats, pixels: Pixels) -> int:
-    """Collect the pixels around a tag that are on nobody's plate.
+def collect_around(image: Bytes, g: Gauge, known: Known, center: Floats, pixels: Pixels) -> int:
+    """Collect the pixels around a tag, of large tags every so many.
 
     Args:
         image: shape (H, W, 3), BGR.
@@ -79,8 +77,6 @@ def collect_free(image: Bytes, g: Gauge, known: Known, center: Floats, pixels: P
             if (x * 7 + y * 3) % stride:
                 continue
             px, py = floor_at(g.nodes, x, y)
-            if not _is_free(px, py, known.plates):
-                continue
             pixels.places[count, 0] = px - known.pose[0]
             pixels.places[count, 1] = py - known.pose[1]
             for channel in range(3):
@@ -89,22 +85,6 @@ def collect_free(image: Bytes, g: Gauge, known: Known, center: Floats, pixels: P
                 _to_ycc(pixels.values[count])
             count += 1
     return count
-
-
-@compiled_part
-def _is_free(x: float, y: float, plates: Floats) -> bool:
-    """Whether a floor point lies on none of some convex plates (P, V, 2)."""
-    corners = plates.shape[1]
-    for n in range(len(plates)):
-        left, right = False, False
-        for k in range(corners):
-            x0, y0 = plates[n, k, 0], plates[n, k, 1]
-            x1, y1 = plates[n, (k + 1) % corners, 0], plates[n, (k + 1) % corners, 1]
-            side = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
-            left, right = left or side > 0.0, right or side < 0.0
-        if not (left and right):
-            return False
-    return True
 
 
 @compiled_part

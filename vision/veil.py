@@ -16,7 +16,7 @@ from vision.compiled import compiled, compiled_part
 from vision.elimination import invert
 from vision.floor_map import PITCH
 from vision.gauge import Gauge
-from vision.own_pixels import Known, Pixels, collect_free, expect_colors, look_at
+from vision.own_pixels import Known, Pixels, collect_around, expect_colors, look_at
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -96,7 +96,7 @@ def fit_veiled(
     pixels = Pixels(
         np.empty((size, 2)), np.empty((size, 3)), np.empty((2, kinds)), np.empty((2, 2, kinds))
     )
-    count = collect_free(image, g, known, center, pixels)
+    count = collect_around(image, g, known, center, pixels)
     expect_colors(g, known, luma, count, pixels, tag.typical, tag.spread)
     pose[:], colors[:] = known.pose, tag.typical
     sums = _Sums(
