@@ -38,7 +38,7 @@ COLORS = (
     NamedColor("violet", (200, 40, 110)),
     NamedColor("white", (230, 235, 233)),  # of printed codes
 )
-OFF = np.array([0.003, 0.003, np.radians(3.0)])  # of predictions, standard deviation [m, m, rad]
+OFF = np.array([0.001, 0.001, np.radians(1.0)])  # of predictions, standard deviation [m, m, rad]
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,19 +23,24 @@ class Drawing:
     """The tags of R robots with L parts and V corners in all."""
 
     def __init__(
-        self, tags: tuple[Tag, ...], colors: Mapping[str, tuple[float, float, float]]
+        self,
+        tags: tuple[Tag, ...],
+        colors: Mapping[str, tuple[float, float, float]],
+        pieces: int = 1,
     ) -> None:
         """Gather the parts of all tags.
 
         Args:
             tags: one per robot, at least one.
             colors: blue, green, red of 255 of every colour the tags use.
+            pieces: in which straight edges are drawn; more than 1 where a lens bends them.
         """
         parts = [(robot, part) for robot, tag in enumerate(tags) for part in tag.parts]
-        sizes = np.array([len(part.polygon) for _, part in parts])
+        outlines = [_divided(part.polygon, pieces) for _, part in parts]
+        sizes = np.array([len(outline) for outline in outlines])
         layer_robots = np.array([robot for robot, _ in parts])
         self._robots = len(tags)
-        self._corners = np.vstack([part.polygon for _, part in parts])
+        self._corners = np.vstack(outlines)
         self._layers = np.repeat(np.arange(len(parts)), sizes)
         self._corner_robots = layer_robots[self._layers]
         self._first_corners = np.searchsorted(self._corner_robots, np.arange(len(tags)))
@@ -149,6 +154,14 @@ def _uncover(inks: NDArray[np.float32], plates: NDArray[np.float32], origins: In
 def _shared(offset: int, length: int) -> slice:
     """Cells of a window that another, further by an offset, has too."""
     return slice(max(offset, 0), length + min(offset, 0))
+
+
+def _divided(polygon: Floats, pieces: int) -> Floats:
+    """A polygon (V, 2) with further corners along its edges."""
+    along = np.arange(pieces)[:, None] / pieces
+    ahead = np.roll(polygon, -1, axis=0)
+    divided: Floats = (polygon[:, None] + along * (ahead - polygon)[:, None]).reshape(-1, 2)
+    return divided
 
 
 def _next_corners(sizes: Integers) -> Integers:

@@ -4,6 +4,7 @@ A robot that is followed and whose fit is in doubt is fitted again to those pixe
 own (`vision.veil`). It is believed if these say well enough where it is.
 """
 
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from vision.eye import Eye
 from vision.gauge import Gauge
 from vision.identity import Prediction
 from vision.own_pixels import Known
-from vision.pose import Fit
+from vision.pose import Fit, empty_fit
 from vision.veil import fit_veiled
 
 Floats = NDArray[np.float64]
@@ -23,6 +24,7 @@ Flags = NDArray[np.bool_]
 
 _DOUBTFUL_PX, _DOUBTFUL_SHARE, _DOUBTFUL = 0.17, 0.006, 1.8  # misfit that makes one think: in
 # pixels, of the tag's side, times the usual one
+_NOISY, _PIXEL = 0.05, 0.29  # or px per grey level of noise and px of blur; a pixel's own blur
 _LEAST = 0.12  # strange share of a tag's pixels from which on something lies on it
 _MOST = 0.8  # and up to which it may be believed
 _GONE = 0.9  # share of a part from which on nothing is seen of it
@@ -61,7 +63,8 @@ def doubtful_px(eye: Eye, usual_px: float) -> float:
         The limit [px].
     """
     side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
-    return max(_DOUBTFUL_PX, _DOUBTFUL_SHARE * side_px, _DOUBTFUL * usual_px)
+    noisy = _NOISY * eye.optics.noise * hypot(eye.optics.blur_px, _PIXEL)
+    return max(_DOUBTFUL_PX, _DOUBTFUL_SHARE * side_px, _DOUBTFUL * usual_px, noisy)
 
 
 def follow_up(tags: Indices, poses: Floats, predictions: list[Prediction]) -> Followed:
@@ -104,7 +107,7 @@ def uncover(
     for n in doubtful.tolist():
         again, hidden = _fit_again(image, eye, followed, n, gains)
         if _is_told(again, eye.gauge, hidden[-1]) and _is_known(eye, followed.tags[n], hidden):
-            _put(fit, n, again)
+            fit.put(np.array((n,)), again)
         elif good[n] and stayed[n]:
             fit.covariances[n] += _DOUBT
         elif hidden[-1] > _LEAST:
@@ -139,13 +142,14 @@ def _fit_again(
     spread = followed.spreads[n, (0, 0, 1)]
     known = Known(int(eye.looks.shape_of[tag]), pose, spread, eye.looks.typical[tag] * gains)
     parts = eye.looks.typical.shape[1]
-    again = Fit(np.empty((1, 3)), np.empty((1, 3, 3)), np.empty(1), np.empty((1, parts + 1, 3)))
+    again = empty_fit(1, parts)
     center, hidden = eye.camera.tag_pixels(pose[None])[0], np.empty(parts + 1)
     misfit = fit_veiled(
         image, eye.gauge, known, center, _SLACKS, _MARGIN, again.poses[0], again.covariances[0],
         again.colors[0], hidden,
     )  # fmt: skip
     again.covariances[:] *= _UNSURE
+    again.settled[0] = True
     again.residual_px[0] = misfit * eye.gauge.scales[0]
     return again, hidden
 
@@ -154,9 +158,3 @@ def _is_told(again: Fit, gauge: Gauge, hidden: float) -> bool:
     """Whether what is seen of a robot tells well enough where it is."""
     deviation = np.sqrt((again.covariances[0, 0, 0] + again.covariances[0, 1, 1]) / _UNSURE)
     return bool(hidden < _MOST and deviation * gauge.scales[0] < _TOLD_PX)
-
-
-def _put(fit: Fit, n: int, other: Fit) -> None:
-    """Put another fit of one robot in the place of a row."""
-    fit.poses[n], fit.covariances[n] = other.poses[0], other.covariances[0]
-    fit.residual_px[n], fit.colors[n] = other.residual_px[0], other.colors[0]

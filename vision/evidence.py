@@ -5,10 +5,12 @@ badly too where cameras sharpen the picture, but show the right colours all over
 tells them apart: the squares of the three, each in units of what is too much, are added up.
 """
 
+from math import hypot
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vision.compiled import compiled
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.identify import agreement_at
 from vision.pose import Fit
@@ -27,22 +29,6 @@ _WRONG = 0.62  # share of points with another colour that is too much
 _BRIGHT = 1.5  # light on the plate over that on the parts that is too much
 
 
-def too_much_px(eye: Eye, usual_px: float) -> float:
-    """Misfit that by itself speaks against a tag.
-
-    Args:
-        eye: tags, sharpness and noise.
-        usual_px: misfit of tags through this camera, 0 if nobody knows [px].
-
-    Returns:
-        The misfit [px].
-    """
-    side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
-    own = max(min(_MISFIT * side_px, _MOST_MISFIT_PX), _LEAST_MISFIT * side_px)
-    known = (own, _BLUR * eye.optics.blur_px, _NOISE * eye.optics.noise, _USUAL * usual_px)
-    return float(np.hypot.reduce(known))
-
-
 def refuse_unlike(
     verdict: Verdict, fit: Fit, shapes: Indices, classes: Bytes, eye: Eye, usual_px: float
 ) -> None:
@@ -57,39 +43,41 @@ def refuse_unlike(
         usual_px: misfit of tags through this camera, 0 if nobody knows: then those that are tags
             beyond doubt tell it, if there are some [px].
     """
-    _measure(
+    side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
+    own = max(min(_MISFIT * side_px, _MOST_MISFIT_PX), _LEAST_MISFIT * side_px)
+    most_px = hypot(own, _BLUR * eye.optics.blur_px, _NOISE * eye.optics.noise)
+    _refuse(
         fit.poses, fit.colors, fit.residual_px, shapes, verdict.screen, verdict.scores, classes,
-        eye.gauge.nodes, eye.looks, too_much_px(eye, usual_px), verdict.good, verdict.unlike,
+        eye.gauge.nodes, eye.looks, most_px, usual_px, verdict.good, verdict.unlike,
     )  # fmt: skip
-    some = verdict.good & (verdict.unlike.sum(axis=1) < 1.0)
-    if usual_px == 0.0 and np.count_nonzero(some) >= _SOME:
-        before, usual_px = too_much_px(eye, 0.0), float(np.median(fit.residual_px[some]))
-        verdict.unlike[:, 0] *= (before / too_much_px(eye, usual_px)) ** 2
-    verdict.good[verdict.unlike.sum(axis=1) >= 1.0] = False
 
 
 @compiled
-def _measure(
+def _refuse(
     poses: Floats, colors: Floats, residual_px: Floats, shapes: Indices, screen: Floats,
-    scores: Floats, classes: Bytes, nodes: Floats, looks: Looks, most_px: float,
+    scores: Floats, classes: Bytes, nodes: Floats, looks: Looks, most_px: float, usual_px: float,
     good: NDArray[np.bool_], unlike: Floats,
 ) -> None:  # fmt: skip
-    """Squares of misfit, wrong points and the plate's light (N, 3), of candidates that are good."""
-    wanted = np.zeros(scores.shape[1], np.bool_)
+    """Squares of misfit, wrong points and the plate's light (N, 3), and who is good in spite."""
+    wanted, sure = np.zeros(scores.shape[1], np.bool_), np.zeros(len(poses), np.bool_)
+    limit = most_px**2 + (_USUAL * usual_px) ** 2
     for n in range(len(poses)):
         if good[n]:
             tag = int(scores[n].argmax())
             wanted[:] = False
             wanted[tag] = True
             right = agreement_at(classes, nodes, looks, shapes[n], wanted, poses[n], screen[n, :2])
-            unlike[n, 0] = (residual_px[n] / most_px) ** 2
-            unlike[n, 1] = ((1.0 - right) / _WRONG) ** 2
-            unlike[n, 2] = (
-                _plate(colors[n], looks.classes[tag], looks.part_counts[shapes[n]]) / _BRIGHT
-            ) ** 2
+            light = _plate(colors[n], looks.classes[tag], looks.part_counts[shapes[n]])
+            unlike[n, 0] = residual_px[n] ** 2 / limit
+            unlike[n, 1], unlike[n, 2] = ((1.0 - right) / _WRONG) ** 2, (light / _BRIGHT) ** 2
+            sure[n] = unlike[n].sum() < 1.0
+    if usual_px == 0.0 and np.count_nonzero(sure) >= _SOME:
+        unlike[:, 0] *= limit / (limit + (_USUAL * np.median(residual_px[sure])) ** 2)
+    for n in range(len(poses)):
+        good[n] = good[n] and unlike[n].sum() < 1.0
 
 
-@compiled
+@compiled_part
 def _plate(colors: Floats, classes: Indices, parts: int) -> float:
     """Light of the parts without a colour over that of the parts with one."""
     dark, bright, dull, colored = 0.0, 0.0, 0, 0

@@ -1,6 +1,7 @@
 """The floor behind the picture, worked out once: exact for every camera, cheap in every frame."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,10 @@ from vision.errors import VisionError
 Floats = NDArray[np.float64]
 
 PITCH = 8
-"""Distance of two nodes of a floor map [px]; a lens bends less than 1e-4 px in between."""
+"""Distance of two nodes of a floor map [px]."""
 
 _SCALE_STEP = 1.1  # scales that differ by less than this factor are treated as one
+_LEAST_NODES = 4  # along each side: `around` needs them
 _FAR = 1e3  # where a ray that misses the floor is said to meet it [m]
 
 
@@ -66,7 +68,7 @@ def floor_map(camera: CameraModel, scales: Floats) -> FloorMap:
     Returns:
         The map.
     """
-    columns, rows = (size // PITCH + 2 for size in camera.size_px)
+    columns, rows = (max(size // PITCH + 2, _LEAST_NODES) for size in camera.size_px)
     x, y = np.meshgrid(np.arange(columns) * float(PITCH), np.arange(rows) * float(PITCH))
     points = camera.to_floor(np.column_stack((x.reshape(-1), y.reshape(-1))), camera.tag_height)
     scale = np.nan_to_num(_scale(camera, points), nan=0.0)
@@ -76,6 +78,63 @@ def floor_map(camera: CameraModel, scales: Floats) -> FloorMap:
     for array in (nodes, levels):
         array.flags.writeable = False
     return FloorMap(nodes, levels)
+
+
+class Patch(NamedTuple):
+    """The floor around a place, as a polynomial of third degree in column and in row.
+
+    Attributes:
+        terms: shape (2, 4, 4), of x and y; powers of the column, powers of the row [m].
+        column: from where columns count [px].
+        row: from where rows count [px].
+        pitch: their unit [px].
+    """
+
+    terms: Floats
+    column: float
+    row: float
+    pitch: float
+
+
+@compiled_part
+def around(nodes: Floats, x: float, y: float, radius: float) -> Patch:
+    """Interpolate a floor map around a pixel, by 4 x 4 of its nodes: perspective bends.
+
+    Args:
+        nodes: see `FloorMap`.
+        x: of the pixel [px].
+        y: of the pixel [px].
+        radius: of the window around it [px].
+
+    Returns:
+        The patch; its error is that of the fourth order.
+    """
+    rows, columns = nodes.shape[0], nodes.shape[1]
+    apart = int(min(np.ceil(2.0 * radius / (3 * PITCH)), (min(rows, columns) - 1) // 3))
+    apart = max(apart, 1)
+    column = int(min(max(x / PITCH - 1.5 * apart + 0.5, 0.0), columns - 1.0 - 3 * apart))
+    row = int(min(max(y / PITCH - 1.5 * apart + 0.5, 0.0), rows - 1.0 - 3 * apart))
+    terms, half = np.empty((2, 4, 4)), np.empty((4, 4))
+    for axis in range(2):
+        for k in range(4):
+            j = row + k * apart
+            _cubic(
+                nodes[j, column, axis], nodes[j, column + apart, axis],
+                nodes[j, column + 2 * apart, axis], nodes[j, column + 3 * apart, axis], half[:, k],
+            )  # fmt: skip
+        for k in range(4):
+            _cubic(half[k, 0], half[k, 1], half[k, 2], half[k, 3], terms[axis, k])
+    pitch = float(PITCH)
+    return Patch(terms, column * pitch, row * pitch, apart * pitch)
+
+
+@compiled_part
+def _cubic(zero: float, one: float, two: float, three: float, terms: Floats) -> None:
+    """Terms (4,) of the cubic with given values at 0, 1, 2 and 3."""
+    terms[0] = zero
+    terms[1] = (-11.0 * zero + 18.0 * one - 9.0 * two + 2.0 * three) / 6.0
+    terms[2] = (2.0 * zero - 5.0 * one + 4.0 * two - three) / 2.0
+    terms[3] = (-zero + 3.0 * one - 3.0 * two + three) / 6.0
 
 
 @compiled_part

@@ -19,7 +19,7 @@ from vision.elimination import (
     look_up,
     solve_brightness,
 )
-from vision.floor_map import PITCH, pixel_slopes
+from vision.floor_map import PITCH, around, pixel_slopes
 from vision.gauge import Gauge, Plane
 from vision.samples import Lattice, Usage, Window, collect, see_bgr, see_chroma, see_luma
 
@@ -31,8 +31,8 @@ Indices = NDArray[np.intp]
 _PRIOR_WEIGHT = 20.0  # samples that the stated noise counts for, against the residuals found
 _STEP = 0.3  # longest Gauss-Newton step, in arms: half sides of the largest tag
 _SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
-_ASTRAY_PX = (2.0, 0.7)  # samples are collected anew after a longer way, coarse and all
-_NEAR_PX = 0.7  # after a shorter step all samples are looked at
+_ASTRAY_PX = (3.0, 0.7)  # samples are collected anew after a longer way, coarse and all
+_NEAR_PX = 1.0  # after a shorter step all samples are looked at
 _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
 _ROUNDING = 1.0 / 12.0  # no picture is truer than its rounding to whole numbers: variance
 _LEAST = 0.05  # share of the residuals that a step leaves at least
@@ -49,12 +49,41 @@ class Fit:
         residual_px: shape (R,), rms misfit as a displacement of edges [px].
         colors: shape (R, K + 1, 3), BGR of every part, and of the floor around, as they would look
             without blur.
+        settled: shape (R,), whether another step would change nothing.
     """
 
     poses: Floats
     covariances: Floats
     residual_px: Floats
     colors: Floats
+    settled: NDArray[np.bool_]
+
+    def put(self, rows: Indices, other: "Fit") -> None:
+        """Put another fit in the place of some rows.
+
+        Args:
+            rows: shape (M,), their indices.
+            other: of M tags.
+        """
+        self.poses[rows], self.covariances[rows] = other.poses, other.covariances
+        self.residual_px[rows], self.colors[rows] = other.residual_px, other.colors
+        self.settled[rows] = other.settled
+
+
+def empty_fit(count: int, parts: int) -> Fit:
+    """Make room for a fit.
+
+    Args:
+        count: R, number of tags.
+        parts: K.
+
+    Returns:
+        A fit without values.
+    """
+    return Fit(
+        np.empty((count, 3)), np.empty((count, 3, 3)), np.empty(count),
+        np.empty((count, parts + 1, 3)), np.empty(count, np.bool_),
+    )  # fmt: skip
 
 
 class _Room(NamedTuple):
@@ -101,13 +130,12 @@ def fit_poses(
     Returns:
         The fitted tags, in the same order.
     """
-    count, parts = len(start), gauge.pixels.cells.shape[-1]
-    fit = Fit(
-        start.copy(), np.empty((count, 3, 3)), np.empty(count), np.empty((count, parts + 1, 3))
-    )
+    parts = gauge.pixels.cells.shape[-1]
+    fit = empty_fit(len(start), parts)
+    fit.poses[:] = start
     _fit_all(
         image, gauge, shapes, centers.copy(), steps, _room(gauge, parts),
-        fit.poses, fit.covariances, fit.residual_px, fit.colors,
+        fit.poses, fit.covariances, fit.residual_px, fit.colors, fit.settled,
     )  # fmt: skip
     return fit
 
@@ -128,10 +156,11 @@ def _room(gauge: Gauge, parts: int) -> _Room:
 def _fit_all(
     image: Bytes, g: Gauge, shapes: Indices, centers: Floats, steps: int, room: _Room,
     poses: Floats, covariances: Floats, residual_px: Floats, colors: Floats,
+    settled: NDArray[np.bool_],
 ) -> None:  # fmt: skip
     """Fit tag after tag; poses: start, and outcome."""
     for n in range(len(poses)):
-        residual_px[n] = _fit_one(
+        residual_px[n], settled[n] = _fit_one(
             image, g, shapes[n], centers[n], steps, room, poses[n], covariances[n]
         )
         _to_colors(room.bright, len(g.pixels.noise) == 3, colors[n])
@@ -141,8 +170,8 @@ def _fit_all(
 def _fit_one(
     image: Bytes, g: Gauge, shape: int, center: Floats, steps: int, room: _Room,
     pose: Floats, covariance: Floats,
-) -> float:  # fmt: skip
-    """Fit a tag; returns the rms misfit as a displacement of edges [px]."""
+) -> tuple[float, bool]:  # fmt: skip
+    """Fit a tag; returns the rms misfit as a displacement of edges [px], and whether it settled."""
     rows, columns = g.level.shape
     level = g.level[
         _within(center[1] / PITCH + 0.5, rows), _within(center[0] / PITCH + 0.5, columns)
@@ -150,7 +179,7 @@ def _fit_one(
     scale, turns = g.scales[level], g.pixels.cells.shape[2]
     gradient, delta, local = room.gradient[0], room.gradient[1], room.gradient[2]
     x, y, tilt, away, sums = pose[0], pose[1], 0.0, np.inf, (0.0, 0.0, 1.0)
-    look = 0 if g.coarse_pays[level, shape] and steps > 1 else 1
+    look, settled = 0 if g.coarse_pays[level, shape] and steps > 1 else 1, False
     for step in range(steps):
         if away * scale > _ASTRAY_PX[look]:
             tilt = _follow(g.nodes, pose[0] - x, pose[1] - y, center)
@@ -165,11 +194,13 @@ def _fit_one(
         if look == 0 and (length * scale < _NEAR_PX or step == steps - 2):
             look, away = 1, np.inf  # near enough for all samples
         elif length * scale < _SETTLED_PX:
+            settled = True
             break
     misfit, slope, freedom = sums
     gain = delta[0] * gradient[0] + delta[1] * gradient[1] + delta[2] * gradient[2]
     _turn(covariance, pose[2], max(1.0 - gain / freedom, _LEAST))
-    return float(np.sqrt(max(misfit - gain, _LEAST * misfit) / max(slope, 1e-9)) * scale)
+    misfit = max(misfit - gain, _LEAST * misfit)
+    return float(np.sqrt(misfit / max(slope, 1e-9)) * scale), settled
 
 
 @compiled_part
@@ -194,8 +225,9 @@ def _collect(
     """Collect the samples around a pose."""
     x, y = _within(center[0] + 0.5, image.shape[1]), _within(center[1] + 0.5, image.shape[0])
     window, size_px, chosen = Window(x, y, g.radius), image.shape[:2], room.chosen
+    patch = around(g.nodes, x, y, g.radius)
     count = collect(
-        size_px, g.nodes, _usage(g.pixels, spot), Lattice(1, 0.0, 0.0), pose, window,
+        size_px, patch, _usage(g.pixels, spot), Lattice(1, 0.0, 0.0), pose, window,
         room.places[0], chosen,
     )  # fmt: skip
     room.counts[0] = count
@@ -205,7 +237,7 @@ def _collect(
     see_luma(image, chosen, count, room.values[0])
     colors = Lattice(2, g.offset[0], g.offset[1])
     count = collect(
-        size_px, g.nodes, _usage(g.colors, spot), colors, pose, window, room.places[1], chosen
+        size_px, patch, _usage(g.colors, spot), colors, pose, window, room.places[1], chosen
     )
     room.counts[1] = count
     see_chroma(image, chosen, count, g.mix_rows, room.values[1])

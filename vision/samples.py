@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.compiled import compiled_part
-from vision.floor_map import PITCH, floor_at
+from vision.floor_map import Patch
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -14,8 +14,8 @@ Bytes = NDArray[np.uint8]
 Shares = NDArray[np.uint32]
 Places = NDArray[np.int32]
 
-_SPREAD_X, _SPREAD_Y = np.uint32(0x9E3779B1), np.uint32(0x85EBCA6B)  # of lattices without a period
-_BITS = np.uint32(0xFFFFFFFF)
+_SPREAD_X, _SPREAD_Y = np.uint64(0x9E3779B1), np.uint64(0x85EBCA6B)  # of lattices without a period
+_BITS = np.uint64(0xFFFFFFFF)
 
 
 class Usage(NamedTuple):
@@ -62,16 +62,24 @@ class Window(NamedTuple):
     radius: int
 
 
+class _Line(NamedTuple):
+    """Samples of a row: floor points relative to the pose [m]; their places in the usage map."""
+
+    x: Singles
+    y: Singles
+    at: Places
+
+
 @compiled_part
 def collect(
-    size_px: tuple[int, int], nodes: Floats, usage: Usage, lattice: Lattice, pose: Floats,
+    size_px: tuple[int, int], patch: Patch, usage: Usage, lattice: Lattice, pose: Floats,
     window: Window, places: Singles, chosen: Places,
 ) -> int:  # fmt: skip
     """Choose the samples around a tag.
 
     Args:
         size_px: height and width of the image [px].
-        nodes: of the floor map.
+        patch: of the floor, around the tag.
         usage: which samples are used.
         lattice: what a sample is.
         pose: shape (3,), where the tag is looked for [m, m, rad].
@@ -82,34 +90,68 @@ def collect(
     Returns:
         Number of samples.
     """
-    count, size, (row_step, step) = 0, float(usage.kinds.shape[0]), usage.strides
-    kinds, shares, middle = usage.kinds, usage.shares, usage.kinds.shape[0] // 2 + 0.5
-    c, s = np.cos(pose[2]) / usage.cell, np.sin(pose[2]) / usage.cell
-    side, radius = lattice.side, window.radius + lattice.side - 1
+    count, (row_step, step), flat = 0, usage.strides, usage.kinds.reshape(-1)
+    side, radius, shares = lattice.side, window.radius + lattice.side - 1, usage.shares
     aside, below = 0.5 * (side - 1) - lattice.right, 0.5 * (side - 1) - lattice.down
+    room = np.empty((2, 2 * radius + 2), np.float32)
+    line = _Line(room[0], room[1], np.empty(2 * radius + 2, np.int32))
     first, last = _span(window.y, radius, side, size_px[0])
     for j in range(_next(first, row_step, 0), last, row_step):
         reach = int(np.sqrt(max(radius**2 - (side * j - window.y) ** 2, 0)))
         start, end = _span(window.x, reach, side, size_px[1])
-        i, node = _next(start, step, j // row_step), side * start // PITCH * PITCH
-        x1, y1 = floor_at(nodes, node, side * j + below)
-        while i < end:
-            node += PITCH  # linear up to there
-            x0, y0 = x1, y1
-            x1, y1 = floor_at(nodes, node, side * j + below)
-            dx, dy, left = (x1 - x0) / PITCH, (y1 - y0) / PITCH, side * i + aside - node
-            px, py = x1 - pose[0] + left * dx, y1 - pose[1] + left * dy
-            column, row = c * px + s * py + middle, c * py - s * px + middle
-            dx, dy, stop = side * step * dx, side * step * dy, min(node // side, end)
-            across, along = c * dx + s * dy, c * dy - s * dx
-            while i < stop:
-                inside = 0.0 <= column < size and 0.0 <= row < size
-                if inside and _chance(i, j) < shares[kinds[int(row), int(column)]]:
-                    places[0, count], places[1, count] = px, py
-                    chosen[0, count], chosen[1, count] = j, i
-                    count += 1
-                px, py, column, row, i = px + dx, py + dy, column + across, row + along, i + step
+        start = _next(start, step, j // row_step)
+        looks = (end - start + step - 1) // step
+        _floor_line(
+            patch, side * start + aside, side * j + below, side * step, looks, pose, usage, line
+        )
+        for n in range(looks):
+            i = start + n * step
+            places[0, count], places[1, count] = line.x[n], line.y[n]
+            chosen[0, count], chosen[1, count] = j, i
+            use = _chance(i, j) < shares[flat[line.at[n]]]
+            count += use  # no jump that would be guessed wrong
     return count
+
+
+@compiled_part
+def _floor_line(
+    patch: Patch, x: float, y: float, step: float, looks: int, pose: Floats, usage: Usage,
+    line: _Line,
+) -> None:  # fmt: skip
+    """Fill a line with what is behind pixels from (x, y) on, a step apart."""
+    x0, x1, x2, x3 = _row(patch, 0, x, y, step, pose[0])
+    y0, y1, y2, y3 = _row(patch, 1, x, y, step, pose[1])
+    size = usage.kinds.shape[0]
+    c, s = np.float32(np.cos(pose[2]) / usage.cell), np.float32(np.sin(pose[2]) / usage.cell)
+    center, most, least = np.float32(size // 2 + 0.5), np.float32(size - 0.5), np.float32(0.0)
+    for n in range(looks):
+        t = np.float32(n)
+        px, py = x0 + t * (x1 + t * (x2 + t * x3)), y0 + t * (y1 + t * (y2 + t * y3))
+        column = min(max(c * px + s * py + center, least), most)
+        row = min(max(c * py - s * px + center, least), most)
+        line.x[n], line.y[n] = px, py
+        line.at[n] = np.int32(row) * np.int32(size) + np.int32(column)
+
+
+@compiled_part
+def _row(
+    patch: Patch, axis: int, x: float, y: float, step: float, origin: float
+) -> tuple[np.float32, np.float32, np.float32, np.float32]:
+    """Terms of a coordinate along a row of pixels, in steps from the first one."""
+    a, b = (x - patch.column) / patch.pitch, (y - patch.row) / patch.pitch
+    unit, terms = step / patch.pitch, patch.terms[axis]
+    zero, one, two, three = _at(terms[0], b), _at(terms[1], b), _at(terms[2], b), _at(terms[3], b)
+    return (
+        np.float32(zero + a * (one + a * (two + a * three)) - origin),
+        np.float32(unit * (one + a * (2.0 * two + 3.0 * a * three))),
+        np.float32(unit**2 * (two + 3.0 * a * three)), np.float32(unit**3 * three),
+    )  # fmt: skip
+
+
+@compiled_part
+def _at(terms: Floats, t: float) -> float:
+    """A cubic's value."""
+    return float(terms[0] + t * (terms[1] + t * (terms[2] + t * terms[3])))
 
 
 @compiled_part
@@ -125,9 +167,9 @@ def _next(start: int, stride: int, row: int) -> int:
 
 
 @compiled_part
-def _chance(x: int, y: int) -> int:
-    """A number below 2^32 - 1 that depends on the pixel, evenly spread over any neighbourhood."""
-    return int((np.uint32(x) * _SPREAD_X + np.uint32(y) * _SPREAD_Y) % _BITS)
+def _chance(x: int, y: int) -> np.uint64:
+    """A number below 2^32 that depends on the pixel, evenly spread over any neighbourhood."""
+    return (np.uint64(x) * _SPREAD_X + np.uint64(y) * _SPREAD_Y) & _BITS
 
 
 @compiled_part

@@ -17,7 +17,6 @@ Indices = NDArray[np.intp]
 _STEPS = 16  # at most, of Gauss-Newton; 2 or 3 are usual
 _ROUNDS = (2, 2, 4, 8)  # steps, if there are many candidates: ever fewer of them go on
 _SHARE = 0.5  # of the steps that are left, for each of these rounds
-_SETTLED_PX = 0.1  # who moved less in a round is not fitted further
 _EFFORT, _EFFORT_PER_TAG = 56, 8  # steps of a frame: in all, and per tag and pair of anchors
 
 
@@ -38,7 +37,7 @@ def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates
     candidates = candidates.take(slice(int(_SHARE * left / _ROUNDS[0])))
     fit = _fitted(image, eye, candidates, _ROUNDS[0])
     left -= len(candidates) * _ROUNDS[0]
-    moving = np.ones(len(candidates), np.bool_)
+    moving = ~fit.settled
     for steps in _ROUNDS[1:]:
         ranked = np.flatnonzero(moving)
         ranked = ranked[fit.residual_px[ranked].argsort(kind="stable")]
@@ -46,12 +45,9 @@ def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates
         if len(chosen) == 0:
             break
         left -= len(chosen) * steps
-        before = fit.poses[chosen]
-        more = _fitted(image, eye, _moved(candidates, fit, chosen, eye), steps)
-        _put(fit, chosen, more)
-        moved = np.hypot(*(fit.poses[chosen] - before)[:, :2].T)
+        fit.put(chosen, _fitted(image, eye, _moved(candidates, fit, chosen, eye), steps))
         moving[:] = False
-        moving[chosen] = moved * float(eye.gauge.scales[-1]) > _SETTLED_PX
+        moving[chosen] = ~fit.settled[chosen]
     return candidates, fit
 
 
@@ -64,9 +60,3 @@ def _moved(candidates: Candidates, fit: Fit, chosen: Indices, eye: Eye) -> Candi
     poses = np.nan_to_num(fit.poses[chosen])
     centers = np.nan_to_num(eye.camera.tag_pixels(poses))
     return Candidates(candidates.shapes[chosen], poses, centers, candidates.agreement[chosen])
-
-
-def _put(fit: Fit, chosen: Indices, other: Fit) -> None:
-    """Put another fit in the place of some rows."""
-    fit.poses[chosen], fit.covariances[chosen] = other.poses, other.covariances
-    fit.residual_px[chosen], fit.colors[chosen] = other.residual_px, other.colors

@@ -19,7 +19,7 @@ Singles = NDArray[np.float32]
 Bytes = NDArray[np.uint8]
 Spectrum = NDArray[np.complex128]
 
-TURNS = 8
+TURNS = 4
 """Templates are made for so many headings on the screen within a quarter turn."""
 
 _CELLS_PER_SAMPLE = (2.0, 4.0)  # sampling of a template: coarser where it would have
@@ -35,7 +35,7 @@ _PIXELS = (
 )  # coarsely, and fully: samples elsewhere, at
 _COLORS = ((20.0, 60.0, _ALL), (80.0, 300.0, 480.0))  # edges, and when ever fewer of those are used
 _MOST_STRIDE = 6
-_COARSE_PAYS = 2.0  # so many times fewer samples make a coarse look first worth while
+_COARSE_PAYS = 1.5  # so many times fewer samples make a coarse look first worth while
 
 
 @dataclass(frozen=True, slots=True)

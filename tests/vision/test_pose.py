@@ -150,9 +150,9 @@ def test_thinning_large_tags_keeps_the_accuracy() -> None:
     world = make_world(camera=camera)
     pixels = world.eye.gauge.pixels
     assert (pixels.shares[..., 1:] / pixels.strides.prod(axis=3, keepdims=True)).max() < 0.7 * 2**32
-    errors, _ = fitted(world, seed=15, frames=6)
+    errors, _ = fitted(world, seed=15, frames=40)
     position, heading = rms(errors)
-    assert position < 0.031
+    assert position < 0.036
     assert heading < 0.026
 
 
