@@ -11,7 +11,7 @@ from vision.segment import Blobs
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_MAX_REASONS = 32
+_MAX_REASONS = 16
 SLACK_PX = 1.0
 """Error of the distance of two blobs beside the relative one [px]."""
 
@@ -25,7 +25,7 @@ def lonely(blobs: Blobs, eye: Eye, places: Floats) -> tuple[Rejection, ...]:
         places: shape (N, 2), where blobs found partners [px].
 
     Returns:
-        At most 32 rejections.
+        At most 16 rejections.
     """
     scale = float(eye.gauge.scales[-1])
     alone = np.flatnonzero(_are_alone(blobs.centers, places, eye.radius * scale))[:_MAX_REASONS]
@@ -78,7 +78,7 @@ def feeble(centers: Floats, agreements: Floats, told: Floats, eye: Eye) -> tuple
         eye: tags.
 
     Returns:
-        At most 32 rejections.
+        At most 16 rejections.
     """
     reach = eye.radius * float(eye.gauge.scales[-1])
     chosen = np.empty(_MAX_REASONS, np.intp)

@@ -30,7 +30,8 @@ Indices = NDArray[np.intp]
 
 _PRIOR_WEIGHT = 20.0  # samples that the stated noise counts for, against the residuals found
 _STEP = 0.3  # longest Gauss-Newton step, in arms: half sides of the largest tag
-_SETTLED_PX = 0.15  # after a shorter step no other follows: it would be shorter than 0.01 px
+_SETTLED_PX, _LEFT = 0.15, 0.7  # after a shorter step no other follows, nor if its square, about
+# what it leaves, is below this share of what noise does
 _ASTRAY_PX = (3.0, 0.7)  # samples are collected anew after a longer way, coarse and all
 _NEAR_PX = 1.0  # after a shorter step all samples are looked at
 _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
@@ -193,7 +194,7 @@ def _fit_one(
         away += length
         if look == 0 and (length * scale < _NEAR_PX or step == steps - 2):
             look, away = 1, np.inf  # near enough for all samples
-        elif length * scale < _SETTLED_PX:
+        elif length * scale < min(_SETTLED_PX, np.sqrt(_LEFT * _deviation(covariance) * scale)):
             settled = True
             break
     misfit, slope, freedom = sums
@@ -313,6 +314,12 @@ def _step(inverse: Floats, gradient: Floats, arm: float, pose: Floats, delta: Fl
     pose[1] += s * delta[0] + c * delta[1]
     pose[2] += delta[2]
     return length
+
+
+@compiled_part
+def _deviation(covariance: Floats) -> float:
+    """Standard deviation of a place [m]."""
+    return float(np.sqrt(covariance[0, 0] + covariance[1, 1]))
 
 
 @compiled_part

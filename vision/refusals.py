@@ -14,7 +14,7 @@ from vision.verdict import Verdict
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-_MOST = 32  # reasons that are told
+_MOST = 16  # reasons that are told
 _UNIT: Floats = np.ones(3)
 
 BORDER_PX = 0.25
@@ -35,7 +35,7 @@ def refusals(
         tags: shape (N,), index of the tag of every candidate, negative for none.
 
     Returns:
-        A reason for each of the first 32, and one for the rest.
+        A reason for each of the first 16, and one for the rest.
     """
     told = [
         _rejection(verdict, n, _why_not(verdict, fit, int(shapes[n]), eye, n, tags))

@@ -15,9 +15,9 @@ Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
 _STEPS = 16  # at most, of Gauss-Newton; 2 or 3 are usual
-_ROUNDS = (2, 2, 4, 8)  # steps, if there are many candidates: ever fewer of them go on
+_ROUNDS = (1, 2, 4, 8)  # steps after the first look, if there are many: ever fewer of them go on
 _SHARE = 0.5  # of the steps that are left, for each of these rounds
-_EFFORT, _EFFORT_PER_TAG = 56, 8  # steps of a frame: in all, and per tag and pair of anchors
+_EFFORT, _EFFORT_PER_TAG = 22, 8  # steps of a frame: in all, and per tag and pair of anchors
 
 
 def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates, Fit]:
@@ -34,11 +34,12 @@ def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates
     left = _EFFORT + _EFFORT_PER_TAG * sum(len(s.tags) * len(s.anchors) for s in eye.shapes)
     if len(candidates) * _STEPS <= left:
         return candidates, _fitted(image, eye, candidates, _STEPS)
-    candidates = candidates.take(slice(int(_SHARE * left / _ROUNDS[0])))
-    fit = _fitted(image, eye, candidates, _ROUNDS[0])
-    left -= len(candidates) * _ROUNDS[0]
+    first = 2 if 2 * len(candidates) <= _SHARE * left else 1  # tags settle in two
+    candidates = candidates.take(slice(int(_SHARE * left / first)))
+    fit = _fitted(image, eye, candidates, first)
+    left -= len(candidates) * first
     moving = ~fit.settled
-    for steps in _ROUNDS[1:]:
+    for steps in _ROUNDS:
         ranked = np.flatnonzero(moving)
         ranked = ranked[fit.residual_px[ranked].argsort(kind="stable")]
         chosen = ranked[: int(_SHARE * left / steps)]

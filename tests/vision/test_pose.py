@@ -39,7 +39,7 @@ def fitted_from(world: World, image: np.ndarray, shapes: np.ndarray, start: np.n
     """Fit tags from starting poses (R, 3)."""
     camera = world.eye.camera
     points = np.column_stack((start[:, :2], np.full(len(start), camera.tag_height)))
-    return fit_poses(image, world.eye.gauge, shapes, start, camera.project(points), 6)
+    return fit_poses(image, world.eye.gauge, shapes, start, camera.project(points), 12)
 
 
 def rms(errors: np.ndarray) -> tuple[float, float]:
