@@ -79,6 +79,8 @@ def _follow(
     light: Light,
 ) -> tuple[tuple[Detection, ...], tuple[Rejection, ...], Light]:
     """Fit the predicted robots where they are expected; they tell the light."""
+    if not predictions:
+        return (), (), light
     index = {robot_id: n for n, robot_id in enumerate(eye.tags.ids)}
     known = _near_camera([p for p in predictions if p.robot_id in index], eye)
     if not known:
@@ -127,10 +129,11 @@ def _search(
         verdict.keep(missing, eye.thresholds.confidence)
     refuse_unlike(verdict, fit, candidates.shapes, classes, eye, light.misfit_px)
     tracked = known.places[missing & (known.reach == 0.0)]
-    veiled = _near(fit.poses, tracked, eye.radius) & (
-        fit.residual_px > doubtful_px(eye, light.misfit_px)
-    )
-    verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
+    if len(tracked):
+        veiled = _near(fit.poses, tracked, eye.radius) & (
+            fit.residual_px > doubtful_px(eye, light.misfit_px)
+        )
+        verdict.refuse_covered(np.flatnonzero(veiled), np.ones(np.count_nonzero(veiled)))
     taken = np.array([(d.pose.x, d.pose.y) for d in found]).reshape(-1, 2)
     told = eye.tags.look_alikes or np.isfinite(known.places).any()
     among = known if told else None

@@ -23,7 +23,7 @@ TURNS = 4
 """Templates are made for so many headings on the screen within a quarter turn."""
 
 _CELLS_PER_SAMPLE = (2.0, 4.0)  # sampling of a template: coarser where it would have
-_MOST_CELLS = 210  # more cells along its side than this
+_MOST_CELLS = 150  # more cells along its side than this
 _MARGIN_PX = 3.0  # of a template around the tag; of colour, 2 samples
 _LEAST_BLUR_PX = 0.25  # a sharper lens cannot be sampled
 _EDGE = 0.04  # change of a coverage from one sample to the next that tells something of the pose
@@ -31,9 +31,9 @@ _RING = 2  # samples around the tag that show the floor
 _ALL = 1e9
 _PIXELS = (
     (40.0, 140.0, _ALL),
-    (150.0, 800.0, 1150.0),
+    (120.0, 800.0, 950.0),
 )  # coarsely, and fully: samples elsewhere, at
-_COLORS = ((20.0, 60.0, _ALL), (80.0, 300.0, 480.0))  # edges, and when ever fewer of those are used
+_COLORS = ((20.0, 60.0, _ALL), (60.0, 300.0, 400.0))  # edges, and when ever fewer of those are used
 _MOST_STRIDE = 6
 _COARSE_PAYS = 1.5  # so many times fewer samples make a coarse look first worth while
 
