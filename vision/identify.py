@@ -19,7 +19,7 @@ Bytes = NDArray[np.uint8]
 
 _SAME_PLACE = 0.3  # candidates are one if they are nearer than this share of the tag's radius
 _SAME_HEADING = 0.5  # and their headings differ by less than this [rad]
-_MAX_PAIRS = 1024  # of blobs that are looked at
+_MAX_PAIRS = 768  # of blobs that are looked at
 
 
 @dataclass(frozen=True, slots=True)

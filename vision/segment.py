@@ -47,17 +47,17 @@ def find_blobs(classes: Bytes, min_area: float, limit: int) -> Blobs:
     words = flat[: len(flat) // 8 * 8].view(np.uint64)
     most = int(np.count_nonzero(classes)) + 1
     sums, kinds = np.empty((most, 3)), np.empty(most, np.uint8)
-    count = _label(classes, words, sums, kinds)
-    keep = np.flatnonzero(sums[:count, 0] >= min_area)
-    keep = keep[np.argsort(-sums[keep, 0], kind="stable")]
-    kept = sums[keep[:limit]]
-    kind = kinds[keep[:limit]].astype(np.intp)
-    return Blobs(kind, kept[:, 1:] / kept[:, :1], kept[:, 0], len(keep) - len(kept))
+    count = _label(classes, words, min_area, sums, kinds)
+    largest = np.argsort(-sums[:count, 0], kind="stable")[:limit]
+    kept, kind = sums[largest], kinds[largest].astype(np.intp)
+    return Blobs(kind, kept[:, 1:] / kept[:, :1], kept[:, 0], count - len(kept))
 
 
 @compiled
-def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes) -> int:
-    """Join runs of equal pixels with those above; returns the number of regions.
+def _label(
+    classes: Bytes, words: NDArray[np.uint64], min_area: float, sums: Floats, kinds: Bytes
+) -> int:
+    """Join runs of equal pixels with those above; returns the number of regions large enough.
 
     Regions that turn out to be one are joined by union-find: parent[label] <= label. Where there is
     nothing, 8 pixels are passed at a time.
@@ -91,7 +91,7 @@ def _label(classes: Bytes, words: NDArray[np.uint64], sums: Floats, kinds: Bytes
             sums[label, 0] += length
             sums[label, 1] += 0.5 * length * (first + at - 1 - 2 * start)
             sums[label, 2] += length * row
-    return _compact(parent, sums, kinds, count)
+    return _compact(parent, min_area, sums, kinds, count)
 
 
 @compiled_part
@@ -115,8 +115,10 @@ def _root(parent: NDArray[np.int32], label: int) -> int:
 
 
 @compiled_part
-def _compact(parent: NDArray[np.int32], sums: Floats, kinds: Bytes, count: int) -> int:
-    """Add up what belongs to one region and close the gaps; returns the number of regions."""
+def _compact(
+    parent: NDArray[np.int32], min_area: float, sums: Floats, kinds: Bytes, count: int
+) -> int:
+    """Add up what belongs to one region, drop small ones; returns the number of the others."""
     for label in range(count):
         root = _root(parent, label)
         if root != label:
@@ -124,7 +126,7 @@ def _compact(parent: NDArray[np.int32], sums: Floats, kinds: Bytes, count: int) 
                 sums[root, j] += sums[label, j]
     regions = 0
     for label in range(count):
-        if parent[label] == label:
+        if parent[label] == label and sums[label, 0] >= min_area:
             kinds[regions] = kinds[label]
             for j in range(3):
                 sums[regions, j] = sums[label, j]

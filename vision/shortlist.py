@@ -17,7 +17,7 @@ Indices = NDArray[np.intp]
 _STEPS = 16  # at most, of Gauss-Newton; 2 or 3 are usual
 _ROUNDS = (1, 2, 4, 8)  # steps after the first look, if there are many: ever fewer of them go on
 _SHARE = 0.5  # of the steps that are left, for each of these rounds
-_EFFORT, _EFFORT_PER_TAG = 22, 8  # steps of a frame: in all, and per tag and pair of anchors
+_EFFORT, _EFFORT_PER_TAG = 22, 7  # steps of a frame: in all, and per tag and pair of anchors
 
 
 def fit_best(image: Bytes, eye: Eye, candidates: Candidates) -> tuple[Candidates, Fit]:

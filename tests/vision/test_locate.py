@@ -244,7 +244,7 @@ TINY = make_world(camera=paper_camera((5, 3)), tags=two_patch_tags(2))
 
 
 @given(data=st.data(), which=st.sampled_from([ODD, TINY]), follow=st.booleans())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_no_picture_makes_it_fall(data: st.DataObject, which: World, follow: bool) -> None:
     w, h = which.eye.camera.size_px
     shade = st.sampled_from([0, 12, 30, 40, 190, 225, 255])
