@@ -21,10 +21,10 @@ from benchmarks.timing import Timed, interleaved
 from vision.tags import TagSet
 
 SETTINGS = (
-    Setting((320, 240), 3, 300, 300),
-    Setting((640, 480), 12, 100, 120),
-    Setting((1920, 1080), 12, 30, 40),
-    Setting((1920, 1080), 50, 30, 40, crowd=True),
+    Setting((320, 240), 3, 300, 100),
+    Setting((640, 480), 12, 100, 60),
+    Setting((1920, 1080), 12, 30, 30),
+    Setting((1920, 1080), 50, 30, 30, crowd=True),
 )
 FLOOR = 1  # the row that the others are compared with: packing and looking up
 _KEPT = 8  # pictures that the times are taken on

@@ -73,7 +73,8 @@ def propose(
     found, seen = _pairs(blobs, classes, eye, wanted)
     strong = int(np.count_nonzero(found.agreement >= eye.thresholds.agreement))
     best = _distinct(found.take(slice(strong)), eye)
-    kept = best.take(slice(eye.thresholds.max_candidates))
+    most = eye.thresholds.max_candidates
+    kept = best.take(slice(most)) if len(best) > most else best
     weak = found.take(slice(strong, None))
     reasons = lonely(blobs, eye, found.centers)
     reasons += feeble(weak.centers, weak.agreement, kept.centers, eye)

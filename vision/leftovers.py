@@ -29,6 +29,8 @@ def lonely(blobs: Blobs, eye: Eye, places: Floats) -> tuple[Rejection, ...]:
     """
     scale = float(eye.gauge.scales[-1])
     alone = np.flatnonzero(_are_alone(blobs.centers, places, eye.radius * scale))[:_MAX_REASONS]
+    if len(alone) == 0:
+        return ()
     kinds, areas = blobs.classes[alone].tolist(), blobs.areas[alone].tolist()
     partners = {label: _partners(eye, label, scale) for label in set(kinds)}
     reasons = []
@@ -80,6 +82,8 @@ def feeble(centers: Floats, agreements: Floats, told: Floats, eye: Eye) -> tuple
     Returns:
         At most 16 rejections.
     """
+    if len(centers) == 0:
+        return ()
     reach = eye.radius * float(eye.gauge.scales[-1])
     chosen = np.empty(_MAX_REASONS, np.intp)
     count = _keep_apart(centers, told, reach, chosen)

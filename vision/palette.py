@@ -113,16 +113,16 @@ class Palette:
 
 @lru_cache(maxsize=64)
 def _lit(palette: Palette, steps: tuple[int, int, int]) -> Pixels:
-    """The table of a palette under another light, in steps of `_LIGHT_STEP`."""
+    """The table of a palette under another light, in steps of `_LIGHT_STEP`; twice in a row."""
     if not any(steps):
-        return palette.table
+        return np.concatenate((palette.table, palette.table))
     middle = 8.0 * np.arange(LEVELS) + 4.0
     cells = np.clip(np.outer(np.exp(-_LIGHT_STEP * np.array(steps)), middle), 0, 255) // 8
     blue, green, red = cells.astype(np.intp)
     table: Pixels = palette.table.reshape(LEVELS, LEVELS, LEVELS)[np.ix_(red, green, blue)].reshape(
         -1
     )
-    return table
+    return np.concatenate((table, table))
 
 
 _PLACES = np.array([1, LEVELS, LEVELS**2])  # of blue, green, red in the packed colour
@@ -240,10 +240,9 @@ def _palette(names: tuple[str, ...], likelihood: Floats, typical: Floats) -> Pal
 
 
 def _looked_up(table: Pixels, packed: NDArray[np.uint16]) -> Pixels:
-    """Look up a table of 15-bit colours; OpenCV from version 5 does it in half the time."""
+    """Look up a table of 16 bit; OpenCV from version 5 does it in half the time."""
     if _WIDE_LUT:
-        doubled = np.concatenate((table, table)).reshape(1, -1)
-        return np.asarray(cv2.LUT(packed, doubled), np.uint8)
+        return np.asarray(cv2.LUT(packed, table.reshape(1, -1)), np.uint8)
     return table.take(packed)
 
 
