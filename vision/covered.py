@@ -4,7 +4,6 @@ A robot that is followed and whose fit is in doubt is fitted again to those pixe
 own (`vision.veil`). It is believed if these say well enough where it is.
 """
 
-from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ Flags = NDArray[np.bool_]
 
 _DOUBTFUL_PX, _DOUBTFUL_SHARE, _DOUBTFUL = 0.17, 0.006, 1.8  # misfit that makes one think: in
 # pixels, of the tag's side, times the usual one
-_NOISY, _PIXEL = 0.05, 0.29  # or px per grey level of noise and px of blur; a pixel's own blur
+_BLURRED, _NOISY = 0.255, 0.05  # or per px of an edge's width: by itself, per grey level of noise
 _LEAST = 0.12  # strange share of a tag's pixels from which on something lies on it
 _MOST = 0.8  # and up to which it may be believed
 _GONE = 0.9  # share of a part from which on nothing is seen of it
@@ -63,8 +62,8 @@ def doubtful_px(eye: Eye, usual_px: float) -> float:
         The limit [px].
     """
     side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
-    noisy = _NOISY * eye.optics.noise * hypot(eye.optics.blur_px, _PIXEL)
-    return max(_DOUBTFUL_PX, _DOUBTFUL_SHARE * side_px, _DOUBTFUL * usual_px, noisy)
+    soft = max(_BLURRED, _NOISY * eye.optics.noise) * eye.optics.edge_px
+    return max(_DOUBTFUL_PX, _DOUBTFUL_SHARE * side_px, _DOUBTFUL * usual_px, soft)
 
 
 def follow_up(tags: Indices, poses: Floats, predictions: list[Prediction]) -> Followed:

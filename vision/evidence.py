@@ -22,7 +22,7 @@ Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
 _MISFIT, _LEAST_MISFIT, _MOST_MISFIT_PX = 0.048, 0.0215, 0.86  # too much, of the tag's side
-_BLUR, _NOISE = 0.25, 1.0 / 60.0  # and what is usual: per px of blur, per grey level of noise [px]
+_BLUR, _NOISE = 0.25, 0.05  # and what is usual: px per px of blur, per grey level and px of edges
 _USUAL = 1.5  # and what is usual with this camera, times
 _SOME = 3  # tags tell what is usual, at least
 _WRONG = 0.62  # share of points with another colour that is too much
@@ -45,7 +45,7 @@ def refuse_unlike(
     """
     side_px = 2.0 * eye.gauge.arm * float(eye.gauge.scales[0])
     own = max(min(_MISFIT * side_px, _MOST_MISFIT_PX), _LEAST_MISFIT * side_px)
-    most_px = hypot(own, _BLUR * eye.optics.blur_px, _NOISE * eye.optics.noise)
+    most_px = hypot(own, _BLUR * eye.optics.blur_px, _NOISE * eye.optics.noise * eye.optics.edge_px)
     _refuse(
         fit.poses, fit.colors, fit.residual_px, shapes, verdict.screen, verdict.scores, classes,
         eye.gauge.nodes, eye.looks, most_px, usual_px, verdict.good, verdict.unlike,

