@@ -7,9 +7,9 @@ from control.geometry import Pose2D, wrap_angle
 from vision.assignment import REPEATED, all_sure, settle
 from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
+from vision.fit import Fit
 from vision.identify import Candidates
 from vision.identity import Expectation, tell_apart
-from vision.pose import Fit
 from vision.projection import Lens, project_point
 from vision.refusals import BORDER_PX, refusals
 from vision.scene import Detection, PixelPose, Rejection

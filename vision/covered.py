@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.eye import Eye
+from vision.fit import Fit, empty_fit
 from vision.gauge import Gauge
 from vision.identity import Prediction
 from vision.own_pixels import Known
-from vision.pose import Fit, empty_fit
 from vision.veil import fit_veiled
 
 Floats = NDArray[np.float64]

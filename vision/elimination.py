@@ -239,6 +239,28 @@ def _differentiate(table: Singles, count: int, parts: int, channel: int, bright:
 
 
 @compiled_part
+def part_colors(bright: Floats, separate: bool, colors: Floats) -> None:
+    """Turn brightnesses into colours.
+
+    Args:
+        bright: shape (3, K + 1), unknowns a of B, G and R, or of luma, blue and red chroma.
+        separate: whether they are those of B, G and R.
+        colors: shape (K + 1, 3), receives BGR of the parts, and of the floor last.
+    """
+    parts = len(colors) - 1
+    for k in range(parts + 1):
+        one, two, three = bright[0, 0], bright[1, 0], bright[2, 0]
+        if k < parts:
+            one, two = one + bright[0, k + 1], two + bright[1, k + 1]
+            three = three + bright[2, k + 1]
+        if separate:
+            colors[k, 0], colors[k, 1], colors[k, 2] = one, two, three
+        else:  # luma, blue and red chroma
+            colors[k, 0], colors[k, 2] = one + 1.772 * two, one + 1.402 * three
+            colors[k, 1] = one - 0.344136 * two - 0.714136 * three
+
+
+@compiled_part
 def invert(matrix: Floats, inverse: Floats) -> None:
     """Invert a symmetric positive definite matrix by Gauss and Jordan's elimination.
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
+from vision.fit import Fit
 from vision.identify import agreement_at
-from vision.pose import Fit
 from vision.shapes import Looks
 from vision.verdict import Verdict
 

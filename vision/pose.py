@@ -3,7 +3,6 @@
 Every tag by itself, by Gauss-Newton from its starting pose; the steps are in `elimination`.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +16,10 @@ from vision.elimination import (
     dot,
     invert,
     look_up,
+    part_colors,
     solve_brightness,
 )
+from vision.fit import Fit, empty_fit
 from vision.floor_map import PITCH, around, pixel_slopes
 from vision.gauge import Gauge, Plane
 from vision.samples import Lattice, Usage, Window, collect, see_bgr, see_chroma, see_luma
@@ -38,53 +39,6 @@ _MOST_SAMPLES = 2048  # of a tag; thinning leaves half as many
 _ROUNDING = 1.0 / 12.0  # no picture is truer than its rounding to whole numbers: variance
 _LEAST = 0.05  # share of the residuals that a step leaves at least
 _STIFFNESS_M, _STIFFNESS_RAD = 0.1, 10.0  # known beforehand: keeps blind fits solvable
-
-
-@dataclass(frozen=True, slots=True)
-class Fit:
-    """Fitted tags.
-
-    Attributes:
-        poses: shape (R, 3), x, y, theta on the floor [m, m, rad].
-        covariances: shape (R, 3, 3) [m^2, m rad, rad^2].
-        residual_px: shape (R,), rms misfit as a displacement of edges [px].
-        colors: shape (R, K + 1, 3), BGR of every part, and of the floor around, as they would look
-            without blur.
-        settled: shape (R,), whether another step would change nothing.
-    """
-
-    poses: Floats
-    covariances: Floats
-    residual_px: Floats
-    colors: Floats
-    settled: NDArray[np.bool_]
-
-    def put(self, rows: Indices, other: "Fit") -> None:
-        """Put another fit in the place of some rows.
-
-        Args:
-            rows: shape (M,), their indices.
-            other: of M tags.
-        """
-        self.poses[rows], self.covariances[rows] = other.poses, other.covariances
-        self.residual_px[rows], self.colors[rows] = other.residual_px, other.colors
-        self.settled[rows] = other.settled
-
-
-def empty_fit(count: int, parts: int) -> Fit:
-    """Make room for a fit.
-
-    Args:
-        count: R, number of tags.
-        parts: K.
-
-    Returns:
-        A fit without values.
-    """
-    return Fit(
-        np.empty((count, 3)), np.empty((count, 3, 3)), np.empty(count),
-        np.empty((count, parts + 1, 3)), np.empty(count, np.bool_),
-    )  # fmt: skip
 
 
 class _Room(NamedTuple):
@@ -164,7 +118,7 @@ def _fit_all(
         residual_px[n], settled[n] = _fit_one(
             image, g, shapes[n], centers[n], steps, room, poses[n], covariances[n]
         )
-        _to_colors(room.bright, len(g.pixels.noise) == 3, colors[n])
+        part_colors(room.bright, len(g.pixels.noise) == 3, colors[n])
 
 
 @compiled_part
@@ -334,19 +288,3 @@ def _turn(covariance: Floats, heading: float, scale: float) -> None:
     covariance[0, 2] = covariance[2, 0] = scale * (c * xt - s * yt)
     covariance[1, 2] = covariance[2, 1] = scale * (s * xt + c * yt)
     covariance[2, 2] *= scale
-
-
-@compiled_part
-def _to_colors(bright: Floats, separate: bool, colors: Floats) -> None:
-    """Colours (K + 1, 3) of the parts and the floor, from brightnesses (3, K + 1), floor first."""
-    parts = len(colors) - 1
-    for k in range(parts + 1):
-        one, two, three = bright[0, 0], bright[1, 0], bright[2, 0]
-        if k < parts:
-            one, two = one + bright[0, k + 1], two + bright[1, k + 1]
-            three = three + bright[2, k + 1]
-        if separate:
-            colors[k, 0], colors[k, 1], colors[k, 2] = one, two, three
-        else:  # luma, blue and red chroma
-            colors[k, 0], colors[k, 2] = one + 1.772 * two, one + 1.402 * three
-            colors[k, 1] = one - 0.344136 * two - 0.714136 * three

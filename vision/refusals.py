@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.eye import Eye
-from vision.pose import Fit
+from vision.fit import Fit
 from vision.scene import Rejection
 from vision.scoring import compare_color
 from vision.verdict import Verdict

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vision.eye import Eye
+from vision.fit import Fit
 from vision.identify import Candidates
-from vision.pose import Fit, fit_poses
+from vision.pose import fit_poses
 
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]

@@ -9,7 +9,9 @@ from pipeline.cli import options
 
 
 def locate(
-    images: Annotated[list[Path], typer.Argument(metavar="IMAGE...", help="Image files.")],
+    images: Annotated[
+        list[Path], typer.Argument(metavar="IMAGE...", help="Image files, or folders of images.")
+    ],
     setup: Annotated[
         str, typer.Option(metavar="FILE", help="Scenario: camera, tags and colours.")
     ] = "paper",

@@ -4,7 +4,8 @@ from math import degrees
 from pathlib import Path
 from typing import Any
 
-from datasets.recorded import read_image
+from datasets.errors import RecordingError
+from datasets.recorded import image_files, read_image
 from pipeline.cli.output import Output
 from pipeline.errors import ConfigError
 from pipeline.looking import look
@@ -26,7 +27,7 @@ def locate_images(
     """Find the robots in images.
 
     Args:
-        images: files.
+        images: files; of a folder, all its images.
         scenario: name or file that describes camera, tags and colours.
         overrides: changes to it.
         overlay: folder for pictures with outlines, None for none.
@@ -35,9 +36,10 @@ def locate_images(
     Raises:
         ConfigError: if the scenario is wrong or does not fit an image's size, or overlays would
             be written over each other or over an image.
-        RecordingError: if an image cannot be read.
+        RecordingError: if an image cannot be read or a folder has none.
     """
     seeing = make_seeing(load_scenario(scenario, overrides))
+    images = [file for path in images for file in _files(path)]
     pictures = _pictures(images, overlay)
     found = []
     for sequence, path in enumerate(images):
@@ -51,6 +53,16 @@ def locate_images(
             _tell(path, scene, seeing.floor_known, output)
     if output.as_json:
         output.object({"images": found})
+
+
+def _files(path: Path) -> tuple[Path, ...]:
+    """A file, or the images of a folder."""
+    if not path.is_dir():
+        return (path,)
+    found = image_files(path)
+    if not found:
+        raise RecordingError(f"{path}: a folder without images")
+    return found
 
 
 def _to_json(path: Path, scene: Scene, floor_known: bool) -> dict[str, Any]:

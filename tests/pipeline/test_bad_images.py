@@ -119,7 +119,7 @@ def test_commands_answer_bad_images_with_one_line(tmp_path: Path, whole: np.ndar
     folder.mkdir()
     cases = [
         (("locate", cut, "--json"), "is cut off"),
-        (("locate", folder), "Is a directory"),
+        (("locate", folder), "a folder without images"),
         (("calibrate", "colors", cut, "--out", tmp_path / "c.toml"), "is cut off"),
         (("calibrate", "camera", cut, "--out", tmp_path / "c.toml"), "0 views show the board"),
     ]

@@ -80,6 +80,12 @@ def test_render_then_locate(tmp_path: Path) -> None:
         assert abs(seen["x_px"] - by_id[seen["id"]]["x_px"]) < 0.2
         assert abs(seen["heading_deg"] - by_id[seen["id"]]["heading_deg"]) < 3.0
     assert cv2.imread(str(tmp_path / "seen" / image.name)) is not None
+    done = echelon("locate", tmp_path / "frames", "--json")  # a folder: all its images, in order
+    files = [Path(found["file"]).name for found in json.loads(done.stdout)["images"]]
+    assert files == [frame["file"] for frame in truth["frames"]]
+    done = echelon("locate", tmp_path)
+    assert done.returncode == 2
+    assert "a folder without images" in done.stderr
 
 
 def test_check_says_what_holds() -> None:

@@ -12,8 +12,9 @@ from tests.vision.worlds import TRIANGLE, World, errors_of, make_world, paper_ca
 from vision.camera import CameraModel, overhead_camera
 from vision.errors import VisionError
 from vision.eye import ChromaModel, Optics
+from vision.fit import Fit
 from vision.locate import Prediction, locate
-from vision.pose import Fit, fit_poses
+from vision.pose import fit_poses
 from vision.tags import TagSet
 
 FRAMES = 12
