@@ -25,7 +25,7 @@ _MISFIT, _LEAST_MISFIT, _MOST_MISFIT_PX = 0.048, 0.0215, 0.86  # too much, of th
 _BLUR, _NOISE = 0.25, 0.05  # and what is usual: px per px of blur, per grey level and px of edges
 _USUAL = 1.5  # and what is usual with this camera, times
 _SOME = 3  # tags tell what is usual, at least
-_WRONG = 0.62  # share of points with another colour that is too much
+_WRONG = 0.66  # share of points with another colour that is too much
 _BRIGHT = 1.5  # light on the plate over that on the parts that is too much
 
 
