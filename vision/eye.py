@@ -51,7 +51,7 @@ class Thresholds:
     max_candidates: int = 64
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Eye:
     """What `locate` needs besides the frame; made by `make_eye`.
 

@@ -1,5 +1,7 @@
 """What the search leaves over, and why: what blobs lack, which colours disagree, what was cut."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -32,7 +34,7 @@ def lonely(blobs: Blobs, eye: Eye, places: Floats) -> tuple[Rejection, ...]:
     if len(alone) == 0:
         return ()
     kinds, areas = blobs.classes[alone].tolist(), blobs.areas[alone].tolist()
-    partners = {label: _partners(eye, label, scale) for label in set(kinds)}
+    partners = {label: _partners(eye, label) for label in set(kinds)}
     reasons = []
     for label, area, center in zip(kinds, areas, blobs.centers[alone], strict=True):
         missing = next((text for least, text in partners[label] if area > least), "")
@@ -54,9 +56,10 @@ def _are_alone(places: Floats, others: Floats, reach: float) -> NDArray[np.bool_
     return alone
 
 
-def _partners(eye: Eye, label: int, scale: float) -> list[tuple[float, str]]:
+@lru_cache(maxsize=8)
+def _partners(eye: Eye, label: int) -> tuple[tuple[float, str], ...]:
     """What blobs of a class need to be part of a tag, if they are larger than so many px."""
-    found = []
+    found, scale = [], float(eye.gauge.scales[-1])
     for index, shape in enumerate(eye.shapes):
         centroids, classes = eye.looks.centroids[index], eye.looks.classes[list(shape.tags)]
         for i, j in shape.anchors:
@@ -67,7 +70,7 @@ def _partners(eye: Eye, label: int, scale: float) -> list[tuple[float, str]]:
                     one, two = shape.names[part], shape.names[other]
                     text = f"{one} patch without {two} patch within {reach:.1f} px"
                     found.append((0.5 * float(shape.areas[part]) * scale**2, text))
-    return found
+    return tuple(found)
 
 
 def feeble(centers: Floats, agreements: Floats, told: Floats, eye: Eye) -> tuple[Rejection, ...]:

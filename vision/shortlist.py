@@ -12,6 +12,7 @@ from vision.fit import Fit
 from vision.identify import Candidates
 from vision.pose import fit_poses
 
+Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
 Indices = NDArray[np.intp]
 
@@ -59,6 +60,12 @@ def _fitted(image: Bytes, eye: Eye, some: Candidates, steps: int) -> Fit:
 
 def _moved(candidates: Candidates, fit: Fit, chosen: Indices, eye: Eye) -> Candidates:
     """Some candidates, from where their fits have come."""
-    poses = np.nan_to_num(fit.poses[chosen])
-    centers = np.nan_to_num(eye.camera.tag_pixels(poses))
+    poses = _finite(fit.poses[chosen])
+    centers = _finite(eye.camera.tag_pixels(poses))
     return Candidates(candidates.shapes[chosen], poses, centers, candidates.agreement[chosen])
+
+
+def _finite(values: Floats) -> Floats:
+    """Values, 0 in the place of those that are not finite."""
+    values[~np.isfinite(values)] = 0.0
+    return values
