@@ -1,4 +1,4 @@
-"""A frame in, robot poses out, in five stages: follow, segment, propose, fit, accept."""
+"""A frame in, robot poses out: follow and uncover; segment, propose, fit, accept."""
 
 from math import hypot, inf
 
