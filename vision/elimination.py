@@ -80,8 +80,8 @@ def _place(n: int, cell: float, pose: Floats, places: Singles, count: int, table
         dx, dy = places[0, i] - x0, places[1, i] - y0
         x[i], y[i] = c * dx + s * dy, c * dy - s * dx
     for i in range(count):
-        p = min(max(x[i] + middle, _NONE), last)
-        q = min(max(y[i] + middle, _NONE), last)
+        p = min(last, max(_NONE, x[i] + middle))  # nan becomes 0
+        q = min(last, max(_NONE, y[i] + middle))
         column, row = np.int32(p), np.int32(q)
         across[i], along[i] = p - np.float32(column), q - np.float32(row)
         first[i] = np.float32(row * n + column)  # exact up to 2^24

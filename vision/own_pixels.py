@@ -102,8 +102,8 @@ def look_at(
         slopes: shape (2, K + 1), receives their slopes by x and y [1/m].
     """
     n, parts, last = cells.shape[0], cells.shape[2], cells.shape[0] - 1.001
-    x = min(max(x / cell + n // 2, 0.0), last)
-    y = min(max(y / cell + n // 2, 0.0), last)
+    x = min(last, max(0.0, x / cell + n // 2))  # nan becomes 0
+    y = min(last, max(0.0, y / cell + n // 2))
     i, j = int(x), int(y)
     u, v = x - i, y - j
     covers[parts], slopes[0, parts], slopes[1, parts] = 1.0, 0.0, 0.0

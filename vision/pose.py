@@ -160,8 +160,8 @@ def _fit_one(
 
 @compiled_part
 def _within(position: float, count: int) -> int:
-    """Index of a position on an axis, clipped to it."""
-    return int(min(max(position, 0.0), count - 1.0))
+    """Index of a position on an axis, clipped to it; nan becomes 0."""
+    return int(min(count - 1.0, max(0.0, position)))
 
 
 @compiled_part

@@ -127,8 +127,8 @@ def _floor_line(
     for n in range(looks):
         t = np.float32(n)
         px, py = x0 + t * (x1 + t * (x2 + t * x3)), y0 + t * (y1 + t * (y2 + t * y3))
-        column = min(max(c * px + s * py + center, least), most)
-        row = min(max(c * py - s * px + center, least), most)
+        column = min(most, max(least, c * px + s * py + center))  # nan becomes least
+        row = min(most, max(least, c * py - s * px + center))
         line.x[n], line.y[n] = px, py
         line.at[n] = np.int32(row) * np.int32(size) + np.int32(column)
 

@@ -86,8 +86,8 @@ def fit_veiled(
         Misfit (rms) of the others as a displacement of edges [m].
     """
     rows, columns = g.level.shape
-    row = int(min(max(center[1] / PITCH + 0.5, 0.0), rows - 1.0))
-    column = int(min(max(center[0] / PITCH + 0.5, 0.0), columns - 1.0))
+    row = int(min(rows - 1.0, max(0.0, center[1] / PITCH + 0.5)))
+    column = int(min(columns - 1.0, max(0.0, center[0] / PITCH + 0.5)))
     level, separate = g.level[row, column], len(g.pixels.noise) == 3
     luma = g.pixels.cells[level, known.shape, 0]
     chroma = luma if separate else g.colors.cells[level, known.shape, 0]

@@ -177,3 +177,21 @@ def test_predictions_some_millimetres_off_are_followed() -> None:
         errors = errors_of(scene.detections, dict(zip(world.eye.tags.ids, truth, strict=True)))
         assert len(errors) == 3
         assert 1e3 * np.abs(errors[:, :2]).max() < 0.8
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e300, -1e9])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_starts_that_are_nowhere_end_nowhere(value: float, axis: int) -> None:
+    world = make_world()
+    start = np.full((1, 3), 0.4)
+    start[0, axis] = value
+    image, gauge, shape = (
+        np.full((240, 320, 3), 90, np.uint8),
+        world.eye.gauge,
+        np.zeros(1, np.intp),
+    )
+    for center in ((100.0, 80.0), (np.nan, 5.0), (1e300, -1e300)):
+        for steps in (1, 2, 12):
+            fit = fit_poses(image, gauge, shape, start, np.array([center]), steps)
+            told = fit.covariances[0, 0, 0] + fit.covariances[0, 1, 1]
+            assert not (fit.residual_px[0] < 0.5 and told < 0.01**2)
