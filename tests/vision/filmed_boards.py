@@ -17,6 +17,7 @@ from vision.camera import CameraModel
 Floats = NDArray[np.float64]
 
 BOARD = Board(square=0.048, marker=0.034)  # fills an A3 sheet
+CHECKERS = Board("chessboard", 9, 6, 0.045)
 SENSOR = SensorModel(read_noise=3.0, blur_px=0.6, uneven_light=0.3)
 PLACES = (
     (0.0, 0.0, 0.0),
