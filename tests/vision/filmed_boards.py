@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from datasets.boards import BoardFilm
 from datasets.sensor import SensorModel
 from vision.calibration.board import Board
-from vision.calibration.detect import BoardView, find_board
+from vision.calibration.detect import BoardView, find_board, make_view
 from vision.camera import CameraModel
 
 Floats = NDArray[np.float64]
@@ -104,3 +104,12 @@ def floor_errors(camera: CameraModel, truth: CameraModel) -> Floats:
 def without_tangential(camera: CameraModel) -> CameraModel:
     """The same camera with another lens, for fits that must choose fewer terms."""
     return replace(camera, distortion=np.array((-0.1, 0.0, 0.0, 0.0, 0.0)))
+
+
+def ideal(rotation: Floats, place: Floats, name: str = "ideal") -> BoardView:
+    """What a perfect detector would see of a board."""
+    camera = tilted()
+    pixels = camera.project(BOARD.corners @ rotation.T + place)
+    inside = ((pixels > 0) & (pixels < np.array(camera.size_px) - 1)).all(axis=1)
+    pixels += np.random.default_rng(1).normal(0.0, 0.02, pixels.shape)
+    return make_view(name, camera.size_px, np.flatnonzero(inside), pixels[inside], 2.0)

@@ -21,6 +21,7 @@ from tests.vision.filmed_boards import (
     floor_errors,
     found,
     held_poses,
+    ideal,
     tilted,
 )
 from vision.calibration.board import Board
@@ -143,15 +144,6 @@ def moved(view: BoardView, which: tuple[slice, ...], way: tuple[float, float]) -
     for part in which:
         pixels[part] += way
     return make_view(view.name, view.size_px, view.ids, pixels, view.blur_px)
-
-
-def ideal(rotation: Floats, place: Floats, name: str = "ideal") -> BoardView:
-    """What a perfect detector would see of a board."""
-    camera = tilted()
-    pixels = camera.project(BOARD.corners @ rotation.T + place)
-    inside = ((pixels > 0) & (pixels < np.array(camera.size_px) - 1)).all(axis=1)
-    pixels += np.random.default_rng(1).normal(0.0, 0.02, pixels.shape)
-    return make_view(name, camera.size_px, np.flatnonzero(inside), pixels[inside], 2.0)
 
 
 def parallel_views() -> list[BoardView]:
