@@ -22,6 +22,7 @@ _FREEDOM = {"reassoc", "contract", "nsz"}  # of the compiler; inf and nan keep t
 _HOW: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": _FREEDOM}
 _BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _NAME = "compiled-"
+_ALONE = "vision"  # compiles no function of control along
 _CONFIG: Any = numba.config
 _GIVEN_PLACE = _CONFIG.CACHE_DIR
 
@@ -84,7 +85,8 @@ def _place(package: str) -> str:
     """Folder for the machine code of a package; "" where nobody may write: numba then finds one."""
     root = Path(__file__).parents[1]
     here = root / package
-    read = sorted({*here.glob("*.py"), *_READ_ALONG.get(package, ())})
+    laws = () if package == _ALONE else (root / "control").glob("*.py")  # they are compiled along
+    read = sorted({*here.glob("*.py"), *laws})
     sources = b"".join(path.read_bytes() for path in read)
     folder = here / "__pycache__" / (_NAME + sha256(sources).hexdigest()[:16])
     if folder.is_dir():
@@ -96,6 +98,3 @@ def _place(package: str) -> str:
     except OSError:
         return ""
     return str(folder)
-
-
-_READ_ALONG = {"datasets": tuple(Path(__file__).parent.glob("*.py"))}  # compiles the laws along
