@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.value import value
 
 

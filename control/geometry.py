@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import cos, pi, sin
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.value import value
 
 

@@ -2,7 +2,7 @@
 
 from enum import IntEnum
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.errors import ControlError
 
 

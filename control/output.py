@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, sin
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.formation import ShapeReference
 from control.geometry import wrap_angle
 from control.relative import (

@@ -6,7 +6,7 @@ The control is Delta v of (18): a sign, its boundary layer, its implicit form, o
 from dataclasses import dataclass
 from math import sqrt
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.errors import ControlError
 from control.laws import Law
 from control.value import value

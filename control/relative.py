@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin
 from typing import TypeAlias
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.geometry import Pose2D, wrap_angle
 from control.unicycle import Twist
 from control.value import value

@@ -9,7 +9,7 @@ from math import hypot, inf
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
-from control.compiled import compilable
+from control.compilable import compilable
 from control.errors import ControlError
 from control.laws import Law, is_first_order
 from control.output import FollowerOutput, WantedOutput, output_error

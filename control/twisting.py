@@ -7,7 +7,7 @@ two channels of every follower call this at command rate.
 from dataclasses import dataclass
 
 from control.channel import ChannelMemory
-from control.compiled import compilable
+from control.compilable import compilable
 from control.errors import ControlError
 from control.laws import Law
 from control.value import value

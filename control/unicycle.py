@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import cos, exp, sin
 
-from control.compiled import compilable
+from control.compilable import compilable
 from control.errors import ControlError
 from control.geometry import Pose2D
 from control.value import value

@@ -112,31 +112,31 @@ def _giving(method: FunctionType) -> Callable[..., FunctionType]:
     """What the compiler asks for the implementation of a method."""
 
     @wraps(method)
-    def implementation(*_: Any, **__: Any) -> FunctionType:
+    def _implementation(*_: Any, **__: Any) -> FunctionType:
         return method
 
-    return implementation
+    return _implementation
 
 
 def _teach_making(kind: type, native: type, names: tuple[str, ...]) -> None:
     """Calls of the class in machine code, by position or by name, every field given."""
 
-    def typed(_: Any) -> Any:
-        def typer(*__: Any, **___: Any) -> Any:
+    def _typed(_: Any) -> Any:
+        def _typer(*__: Any, **___: Any) -> Any:
             return native()(*(member for _, member in _members(kind)))
 
         made = Signature([Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in names])
-        typer.__signature__ = typer.pysig = made  # type: ignore[attr-defined]
-        return typer
+        _typer.__signature__ = _typer.pysig = made  # type: ignore[attr-defined]
+        return _typer
 
-    def lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    def _lowered(context: Any, builder: Any, sig: Any, args: Any) -> Any:
         made = cgutils.create_struct_proxy(sig.return_type)(context, builder)
         for name, argument in zip(names, args, strict=True):
             setattr(made, name, argument)
         return made._getvalue()
 
-    type_callable(kind)(typed)
-    lower_builtin(kind, *(types.Any,) * len(names))(lowered)
+    type_callable(kind)(_typed)
+    lower_builtin(kind, *(types.Any,) * len(names))(_lowered)
 
 
 def _take(native: _Native, instance: Any, c: Any) -> Any:

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
 from control.geometry import Pose2D, wrap_angle
 from vision.assignment import REPEATED, all_sure, settle
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.fit import Fit
 from vision.identify import Candidates

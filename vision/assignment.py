@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]

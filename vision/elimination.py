@@ -14,7 +14,7 @@ root. Lengths are in cells of the template.
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled_part
+from vision.compiled import compiled_part
 
 Floats = NDArray[np.float64]
 Singles = NDArray[np.float32]

@@ -10,7 +10,7 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.fit import Fit
 from vision.identify import agreement_at

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled_part
 from vision.camera import CameraModel
+from vision.compiled import compiled_part
 from vision.errors import VisionError
 
 Floats = NDArray[np.float64]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 from vision.eye import Eye
 from vision.floor_map import floor_at, pixel_slopes
 from vision.leftovers import SLACK_PX, cut, feeble, lonely

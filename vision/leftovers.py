@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled
+from vision.compiled import compiled
 from vision.eye import Eye
 from vision.scene import Rejection
 from vision.segment import Blobs

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 
 Floats = NDArray[np.float64]
 Bytes = NDArray[np.uint8]

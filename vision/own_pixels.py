@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled_part
+from vision.compiled import compiled_part
 from vision.floor_map import floor_at
 from vision.gauge import Gauge
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 from vision.elimination import (
     COVERS,
     WEIGHT,

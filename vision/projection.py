@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled
+from vision.compiled import compiled
 
 Floats = NDArray[np.float64]
 

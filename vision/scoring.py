@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled
+from vision.compiled import compiled
 from vision.shapes import Looks
 
 Floats = NDArray[np.float64]

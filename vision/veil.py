@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from control.compiled import compiled, compiled_part
+from vision.compiled import compiled, compiled_part
 from vision.elimination import invert
 from vision.floor_map import PITCH
 from vision.gauge import Gauge

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from control.actuation import DriveGain
-from control.compiled import compiled
 from control.errors import ControlError
 from control.laws import Law
 from control.output import LeaderMotion, WantedOutput, pair_output
@@ -23,6 +22,7 @@ from control.sliding import (
 )
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
+from vision.compiled import compiled
 
 MODEL, LEADER, WANTED = FollowerModel(), LeaderMotion(Twist(0.4, 0.6), (0.2, 0.1)), (0.25, 2.5)
 ANGLE, SPEED = st.floats(-pi, pi), st.floats(-1.5, 1.5)

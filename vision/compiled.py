@@ -1,9 +1,4 @@
-"""One source, two ways to run: as Python in the live loop, as machine code in a batch of runs.
-
-A `compilable` function stays Python when Python calls it; a `compiled` function that calls it takes
-it into its machine code. `value` lets frozen dataclasses go along. Machine code is made once per
-machine and version, then kept on disk.
-"""
+"""Functions compiled to machine code: once per machine and version, then kept on disk."""
 
 from collections.abc import Callable
 from functools import cache
@@ -13,7 +8,6 @@ from shutil import rmtree
 from typing import Any, ParamSpec, TypeVar
 
 import numba
-from numba.extending import register_jitable
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -25,19 +19,6 @@ _NAME = "compiled-"
 _ALONE = "vision"  # compiles no function of control along
 _CONFIG: Any = numba.config
 _GIVEN_PLACE = _CONFIG.CACHE_DIR
-
-
-def compilable(function: Callable[P, R]) -> Callable[P, R]:
-    """Let compiled functions call a function that Python runs as it is.
-
-    Args:
-        function: works on numbers, tuples and values, in the subset of Python that numba knows.
-
-    Returns:
-        The function itself.
-    """
-    plain: Callable[P, R] = register_jitable(error_model="numpy")(function)
-    return plain
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
