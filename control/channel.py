@@ -14,13 +14,10 @@ class ChannelGains:
     Attributes:
         proportional: K, > 0 [1/s].
         integral: L, > 0 [1/s^2].
-        limit: greatest |s| that is kept: what saturated wheels leave undone beyond it is forgiven,
-            and the sliding phase starts anew from there [unit of s].
     """
 
     proportional: float
     integral: float
-    limit: float
 
 
 @value
@@ -91,7 +88,7 @@ def sample_channel(
         error: e_1 now, an angle wrapped [unit].
         error_rate: e_2 now; only (16) needs it [unit/s].
         dt: time since the sample before, 0 at the first [s].
-        gains: K, L and the limit of s.
+        gains: K and L.
         first_order: whether s is that of (16) instead of (24).
 
     Returns:
@@ -101,15 +98,5 @@ def sample_channel(
     d = m.integral + 0.5 * dt * (m.error + error)
     c = m.double_integral + 0.5 * dt * (m.integral + d)
     s = error_rate + k * error + l * d if first_order else error + k * d + l * c
-    if abs(s) <= gains.limit:
-        return ChannelMemory(
-            error, d, c, s, m.sliding, m.before, m.applied, m.applied_before, m.own
-        )
-    kept = max(-gains.limit, min(gains.limit, s))
-    if first_order:
-        d = (kept - error_rate - k * error) / l
-    else:
-        rate = (s - m.sliding) / dt if dt > 0.0 else 0.0
-        d -= rate / l  # s' = 0
-        c = (kept - error - k * d) / l
-    return ChannelMemory(error, d, c, kept, kept, kept, 0.0, 0.0, m.own)
+    before = m.sliding if dt > 0.0 else s  # Delta = 0 at the first sample (31)
+    return ChannelMemory(error, d, c, s, before, m.before, m.applied, m.applied_before, m.own)

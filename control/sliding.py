@@ -19,13 +19,13 @@ from control.twisting import TwistingGains, twist
 from control.unicycle import Twist
 from control.value import value
 
-PAPER_TWISTING, PAPER_REACHING = TwistingGains(), ReachingGains()
+_TWISTING, _REACHING = TwistingGains(), ReachingGains()
 
 
 @value
 @dataclass(frozen=True, slots=True)
 class SlidingGains:
-    """The law and its gains; the paper's by default.
+    """The law and its gains; K, L, mu and nu of the paper by default.
 
     Attributes:
         law: which law.
@@ -35,19 +35,19 @@ class SlidingGains:
         reaching: what the first-order laws assume.
 
     Raises:
-        ControlError: if K, L or a limit is not positive.
+        ControlError: if K or L is not positive.
     """
 
     law: Law = Law.IMPLICIT_TWISTING
-    distance: ChannelGains = ChannelGains(2.0, 1.0, inf)  # noqa: RUF009 (immutable)
-    bearing: ChannelGains = ChannelGains(2.0, 1.0, inf)  # noqa: RUF009 (immutable)
-    twisting: TwistingGains = PAPER_TWISTING
-    reaching: ReachingGains = PAPER_REACHING
+    distance: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
+    bearing: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
+    twisting: TwistingGains = _TWISTING
+    reaching: ReachingGains = _REACHING
 
     def __post_init__(self) -> None:
         for channel in (self.distance, self.bearing):
-            if not min(channel.proportional, channel.integral, channel.limit) > 0.0:
-                raise ControlError(f"K, L and the limit of s must be > 0, got {channel}")
+            if not min(channel.proportional, channel.integral) > 0.0:
+                raise ControlError(f"K and L must be > 0, got {channel}")
 
 
 @value

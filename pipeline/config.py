@@ -7,7 +7,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
-from control.laws import LAW_NAMES
+from control.errors import ControlError
+from control.laws import law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.palette_config import PaletteConfig
 from pipeline.section import (
@@ -31,8 +32,10 @@ Identifier = (
 
 
 def _known_law(name: str) -> str:
-    if name not in LAW_NAMES:
-        raise ValueError(f"there are: {', '.join(LAW_NAMES)}")
+    try:
+        law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
     return name
 
 

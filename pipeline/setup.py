@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import inf, radians
+from math import radians
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,6 @@ from vision.tags import TagSet
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
 SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
-SLIDING_LIMIT = inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -207,7 +206,7 @@ def _gains(scenario: Scenario, period: float) -> Mapping[RobotId, SlidingGains]:
     c = scenario.control
     horizon = c.horizon_s or (SHORT_HORIZON if period <= SHORT_PERIOD else LONG_HORIZON)
     (k1, k2), (l1, l2) = c.proportional, c.integral
-    channels = ChannelGains(k1, l1, SLIDING_LIMIT), ChannelGains(k2, l2, SLIDING_LIMIT)
+    channels = ChannelGains(k1, l1), ChannelGains(k2, l2)
     twisting = TwistingGains(c.mu, c.nu, horizon)
     return {
         robot.id: SlidingGains(law_named(robot.law or c.law), *channels, twisting, _reaching(c))

@@ -75,7 +75,7 @@ def _place(package: str) -> str:
     try:
         for outdated in folder.parent.glob(_NAME + "*"):
             rmtree(outdated, ignore_errors=True)
-        folder.mkdir(parents=True)
+        folder.mkdir(parents=True, exist_ok=True)  # another process may be as far
     except OSError:
         return ""
     return str(folder)
