@@ -19,7 +19,7 @@ class ReachingGains:
 
     Attributes:
         margin: eta of (20), > 0 [m/s^2].
-        model_error: bound of |eps| and |eps'| of (5), 0 <= it < 1; 1 - c of (13) [1].
+        model_error: bound of |eps| and |eps'| of (5), 0 <= it <= 0.7 [1].
         disturbance: bounds of pi_v and pi_omega of (4), >= 0 [m/s^2, rad/s^2].
         layer: half width of the boundary layer about s = 0, > 0 [m/s].
         lipschitz: super-twisting: bound of the disturbance's derivative, > 0 [m/s^3].
@@ -36,10 +36,10 @@ class ReachingGains:
 
     def __post_init__(self) -> None:
         positive = min(self.margin, self.layer, self.lipschitz) > 0.0
-        if not (positive and 0.0 <= self.model_error < 1.0 and min(self.disturbance) >= 0.0):
+        if not (positive and 0.0 <= self.model_error <= 0.7 and min(self.disturbance) >= 0.0):
             raise ControlError(
                 f"first-order laws need a margin, layer and Lipschitz bound > 0, 0 <= model error "
-                f"< 1 and disturbances >= 0, got {self}"
+                f"<= 0.7 and disturbances >= 0, got {self}"
             )
 
 

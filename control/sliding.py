@@ -5,7 +5,7 @@ first-order one (14), (16)-(20) also the leader's. Which one is a name in the ga
 """
 
 from dataclasses import dataclass
-from math import hypot, inf
+from math import hypot, inf, sqrt
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
@@ -254,7 +254,8 @@ def _strength(nominal: Vector2, output: FollowerOutput, gains: ReachingGains) ->
 
     In metres, bearings times l, G Delta G^-1 is a rotated Delta: its norm is the larger of |eps|
     and |eps'|. `nominal` is h^d'' - F_i + K e_2 + L e_1, with G own h^d'' - F + K e_2 + L e_1: the
-    proof of Theorem 1 needs this sum, where (20) prints F - h^d'' + K e_2 + L e_1.
+    proof of Theorem 1 needs this sum, where (20) prints F - h^d'' + K e_2 + L e_1. It also takes
+    the vector Sign(s) for one of length 1; for any s, c = 1 - 2^(1/2) |Delta| is needed.
     """
     o1, o2 = apply(output.input_matrix, output.own)
     size = output.size
@@ -265,7 +266,7 @@ def _strength(nominal: Vector2, output: FollowerOutput, gains: ReachingGains) ->
         abs(a) * push_v + abs(b) * push_omega, size * (abs(c) * push_v + abs(d) * push_omega)
     )
     rho = gains.model_error * asked + pushed
-    return (rho + gains.margin) / (1.0 - gains.model_error)
+    return (rho + gains.margin) / (1.0 - sqrt(2.0) * gains.model_error)  # |Sign| is 2^1/2
 
 
 @compilable

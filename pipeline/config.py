@@ -173,7 +173,7 @@ class ControlConfig(Section):
     integral: PerChannel = (1.0, 1.0)
     disturbance_mps2: NonNegative = 0.2
     turn_disturbance_radps2: NonNegative = 2.0
-    model_error: Annotated[float, Field(ge=0, lt=1)] = 0.15
+    model_error: Annotated[float, Field(ge=0, le=0.7)] = 0.15
     reaching_margin_mps2: Positive = 0.5
     layer_mps: Positive = 0.05
     lipschitz_mps3: Positive = 10.0
