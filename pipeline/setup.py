@@ -11,9 +11,10 @@ from control.actuation import Actuation
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.leader import LeaderGains, PathSegment, PlannedPath
+from control.profile import TanhStep
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits

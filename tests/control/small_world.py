@@ -20,7 +20,7 @@ from control.estimation import (
     predict,
     roll,
 )
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D, wrap_angle
 from control.leader import (
     LeaderGains,
@@ -30,6 +30,7 @@ from control.leader import (
     begin_leader,
     leader_step,
 )
+from control.profile import TanhStep
 from control.relative import relative_state
 from control.sliding import (
     FollowerMemory,
