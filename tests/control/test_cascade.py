@@ -1,6 +1,6 @@
 """Who follows whom: arms, the same places on the floor for star and chain, changes of shape."""
 
-from math import dist, hypot, pi
+from math import dist, hypot, pi, sqrt
 
 import pytest
 from hypothesis import assume, given
@@ -76,6 +76,13 @@ def test_a_chain_follows_the_arms(count: int, half_angle: float, spacing: float)
     assert chain(circle(count, spacing, "rim")) == arms
     assert chain(column(count, spacing)) == (None, *range(count - 1))
     assert chain(circle(count, spacing)) == star(circle(count, spacing)) == (None,) * count
+
+
+def test_of_equally_near_ones_a_chain_takes_the_leader_then_the_first() -> None:
+    off = 1e-12  # m, as rounding leaves
+    assert chain(((-0.3, 0.1), (-0.3, -0.1), (-0.5, -off))) == (None, None, 0)
+    aside = 0.3 - sqrt(0.3**2 - 0.2**2)  # 0.3 m from the other, which is 0.3 m from the leader
+    assert chain(((0.2 - off, aside), (0.0, 0.3))) == (None, None)
 
 
 def test_a_chained_robot_measures_from_the_axle_of_the_one_ahead() -> None:
