@@ -1,10 +1,10 @@
 """Who follows whom, and in which shape: pairs, time-varying references, the tree they form."""
 
 from dataclasses import dataclass
-from math import tanh
 
 from control.command import RobotId
 from control.errors import ControlError
+from control.profile import Profile
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,50 +29,6 @@ class ShapeReference:
 
 
 @dataclass(frozen=True, slots=True)
-class TanhStep:
-    """A smooth step: (before + after)/2 + (after - before)/2 tanh(rate (time - t)).
-
-    Attributes:
-        before: value long before the step [m or rad].
-        after: value long after the step [m or rad].
-        t: middle of the step [s].
-        rate: steepness [1/s].
-    """
-
-    before: float
-    after: float
-    t: float = 0.0
-    rate: float = 10.0
-
-    def at(self, t: float) -> tuple[float, float, float]:
-        """Value and its first two derivatives.
-
-        Args:
-            t: time on the mission's clock [s].
-
-        Returns:
-            Value, first and second derivative [m or rad, per s, per s^2].
-        """
-        half = 0.5 * (self.after - self.before)
-        th = tanh(self.rate * (t - self.t))
-        slope = half * self.rate * (1.0 - th * th)
-        value = 0.5 * (self.after + self.before) + half * th
-        return value, slope, -2.0 * self.rate * th * slope
-
-    @classmethod
-    def constant(cls, value: float) -> "TanhStep":
-        """A value that never changes.
-
-        Args:
-            value: the value [m or rad].
-
-        Returns:
-            A step from the value to itself.
-        """
-        return cls(value, value)
-
-
-@dataclass(frozen=True, slots=True)
 class Shape:
     """Wanted place of a follower about its leader as a function of time.
 
@@ -81,8 +37,8 @@ class Shape:
         bearing: psi_ik^d over time, convention of (7) [rad].
     """
 
-    distance: TanhStep
-    bearing: TanhStep
+    distance: Profile
+    bearing: Profile
 
     def at(self, t: float) -> ShapeReference:
         """Reference with derivatives at one moment.
@@ -100,8 +56,7 @@ class Shape:
     @property
     def changes(self) -> tuple[float, ...]:
         """Times at which the shape changes, ascending [s]."""
-        steps = (self.distance, self.bearing)
-        return tuple(sorted({step.t for step in steps if step.before != step.after}))
+        return tuple(sorted({*self.distance.changes, *self.bearing.changes}))
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,11 +12,12 @@ from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.laws import law_named
 from control.leader import LeaderGains
 from control.plan import PathSegment, PlannedPath
+from control.profile import TanhStep
 from control.reaching import ReachingGains
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains

@@ -119,9 +119,10 @@ def changes(setup: Setup) -> tuple[Mark, ...]:
     """
     told: dict[float, list[str]] = {}
     for pair in setup.formation.pairs:
-        steps = ((pair.shape.distance, 1.0, " m"), (pair.shape.bearing, degrees(1.0), "°"))
-        for step, scale, unit in steps:
-            if step.before != step.after and step.t <= setup.duration:
+        distances = ((step, 1.0, " m") for step in pair.shape.distance.steps)
+        bearings = ((step, degrees(1.0), "°") for step in pair.shape.bearing.steps)
+        for step, scale, unit in (*distances, *bearings):
+            if step.t <= setup.duration:
                 what = f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
                 told.setdefault(step.t, []).append(f"{name_of(pair.follower)} {what}")
     return tuple(Mark(t, t, _shortened(texts)) for t, texts in sorted(told.items()))

@@ -7,7 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from control.errors import ControlError
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
+from control.profile import TanhStep
 
 BEHIND = Shape(TanhStep.constant(0.2), TanhStep.constant(pi))
 

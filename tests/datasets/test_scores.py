@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from control.command import Command
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.plan import PathSegment, PlannedPath
+from control.profile import TanhStep
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import settled_at
