@@ -4,10 +4,12 @@ Implicit, or explicit and homogeneous (Livne and Levant). Periods may vary, samp
 Plain floats.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import factorial, inf, isfinite, isnan, prod
 
 from control.errors import ControlError
+from control.geometry import wrap_angle
 
 MAX_ORDER = 5
 """Highest order of a differentiator."""
@@ -120,14 +122,27 @@ def differentiate(memory: Differentiator, t: float, value: float | None) -> Diff
     return replace(memory, t=t) if value is None else _implicit_step(memory, t, value)
 
 
-def _explicit_step(m: Differentiator, error: float, t: float, value: float | None) -> Differentiator:
-    """Livne and Levant: z_i+ = sum_j>=i tau^(j-i) z_j/(j-i)! + tau psi_i(z_0 - f)."""
-    n, tau = len(m.z) - 1, t - m.t
-    psi = _corrections(_gains(m), error, abs(error) ** (1.0 / (n + 1)), float(error != 0.0))
-    z = tuple(
-        ahead + tau * psi_i
-        for ahead, psi_i in zip(_derivatives(m.nodes, m.z, t), psi, strict=True)
-    )
+def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:
+    """Make a sequence of wrapped angles continuous.
+
+    Args:
+        angles: (N,) angles [rad].
+
+    Returns:
+        (N,) angles that differ from those by whole turns, and from one another by at most half a
+        turn from entry to entry [rad].
+    """
+    result: list[float] = []
+    for angle in angles:
+        result.append(result[-1] + wrap_angle(angle - result[-1]) if result else angle)
+    return tuple(result)
+
+
+def _explicit_step(m: Differentiator, e: float, t: float, value: float | None) -> Differentiator:
+    """Livne and Levant: z_i+ = sum_j>=i tau^(j-i) z_j/(j-i)! + tau psi_i(e), e = z_0 - f."""
+    n, tau, ahead = len(m.z) - 1, t - m.t, _derivatives(m.nodes, m.z, t)
+    psi = _corrections(_gains(m), e, abs(e) ** (1.0 / (n + 1)), float(e != 0.0))
+    z = tuple(a + tau * psi_i for a, psi_i in zip(ahead, psi, strict=True))
     return Differentiator(t, (t,) * (n + 1), z, m.lipschitz, 0.0 if value is None else z[0] - value)
 
 

@@ -10,7 +10,6 @@ from statistics import stdev
 
 from control.differentiator import begin_differentiator, differentiate
 from control.errors import ControlError
-from control.geometry import wrap_angle
 
 MIN_SAMPLES = 3
 """Fewer samples tell a rate, but not how well it is known."""
@@ -60,19 +59,3 @@ def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: flo
         memory = differentiate(memory, t, value)
         course.append(memory.rate)
     return InitialRate(course[-1], stdev(course[-max(MIN_SAMPLES, len(course) // 3) :]))
-
-
-def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:
-    """Make a sequence of wrapped angles continuous.
-
-    Args:
-        angles: (N,) angles [rad].
-
-    Returns:
-        (N,) angles that differ from those by whole turns, and from one another by at most half a
-        turn from entry to entry [rad].
-    """
-    result: list[float] = []
-    for angle in angles:
-        result.append(result[-1] + wrap_angle(angle - result[-1]) if result else angle)
-    return tuple(result)

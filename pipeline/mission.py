@@ -5,8 +5,9 @@ from dataclasses import replace
 from math import degrees
 
 from control.command import RobotId
-from control.differentiator import InitialRate, initial_rate, unwrapped
+from control.differentiator import unwrapped
 from control.formation import by_follower
+from control.initial_rate import InitialRate, initial_rate
 from control.relative import Vector2, relative_state
 from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track

@@ -4,7 +4,7 @@ The robots and shapes of the scenario `paper` behind a leader that drives straig
 model errors and with ideal measurements at every command. No camera: what fails here is the law.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import degrees
 from typing import TYPE_CHECKING
@@ -18,17 +18,17 @@ from control.plan import PathSegment
 from control.relative import Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
 from control.unicycle import UnicycleState, advance_lagged
-from pipeline.report.style import color_of, new_figure
+from pipeline.report.style import LEADER, new_figure
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_setup
-from pipeline.studies.drawing import logarithmic, period_axis
-from pipeline.studies.study import Cell, Progress, Result
+from pipeline.studies.drawing import draw_curve, law_color, legend_below, logarithmic, period_axis
+from pipeline.studies.study import Progress, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _AT_REST: Vector2 = (0.0, 0.0)
-_LENGTH = 0.075  # of a robot: one that is so far from its place is lost [m]
+_LENGTH_MM = 75.0  # of a robot: one that is so far from its place is lost
 _PARTS = 4  # in which a robot drives a period
 
 
@@ -72,14 +72,15 @@ class SampledTwisting:
         Returns:
             Errors, one row a law and period.
         """
-        rows: list[tuple[Cell, ...]] = []
+        errors: dict[tuple[_Case, float], tuple[float, float]] = {}
         for period in self.periods:
             for case in _CASES:
-                progress(len(rows) / (len(self.periods) * len(_CASES)))
+                progress(len(errors) / (len(self.periods) * len(_CASES)))
                 distance, bearing = _largest_errors(case, 1e-3 * period, self.settled)
-                rows.append((case.name, period, 1e3 * distance, degrees(bearing)))
+                errors[case, period] = 1e3 * distance, degrees(bearing)
         header = "law", "period_ms", "largest_distance_error_mm", "largest_bearing_error_deg"
-        return Result(header, tuple(rows), lambda: _figure(rows, self.periods))
+        rows = tuple((case.name, period, *both) for (case, period), both in errors.items())
+        return Result(header, rows, lambda: _figure(errors, self.periods))
 
 
 def _largest_errors(case: _Case, period: float, since: float) -> tuple[float, float]:
@@ -114,21 +115,26 @@ def _follow(setup: Setup, pair: Pair, case: _Case, period: float) -> list[Vector
     return errors
 
 
-def _figure(rows: Sequence[tuple[Cell, ...]], periods: Sequence[float]) -> "Figure":
+def _figure(
+    errors: Mapping[tuple[_Case, float], tuple[float, float]], periods: Sequence[float]
+) -> "Figure":
     """Distance above, bearing below."""
-    figure, plots = new_figure(5.4, 2)
-    for column, axes in enumerate(plots, start=2):
-        for index, (case, marker) in enumerate(zip(_CASES, "os^", strict=True)):
-            errors = [row[column] for row in rows if row[0] == case.name]
-            color = color_of((2, 5, 1)[index])
-            axes.plot(periods, errors, f"{marker}-", ms=4.5, color=color, label=case.name)
-        logarithmic(axes, "y")
+    figure, plots = new_figure(5.6, 2)
     distance, bearing = plots
-    distance.axhspan(1e3 * _LENGTH, distance.get_ylim()[1], color="#f3e1dc", lw=0, zorder=0.5)
-    distance.text(periods[0], 1.15e3 * _LENGTH, "lost: a robot's length off its place", fontsize=8.5)
+    for column, axes in enumerate(plots):
+        for case, mark in zip(_CASES, "sv^", strict=True):
+            curve = [errors[case, period][column] for period in periods]
+            color = law_color(case.law) if case.own else LEADER
+            draw_curve(axes, periods, curve, (f"{mark}-", color, case.name))
+        logarithmic(axes, "y")
+    top = max(distance.get_ylim()[1], 3.0 * _LENGTH_MM)
+    distance.axhspan(_LENGTH_MM, top, color="#eef1f5", lw=0, zorder=0.5)
+    distance.set_ylim(top=top)
+    lost = "lost: a robot's length off its place"
+    distance.text(periods[0], 1.15 * _LENGTH_MM, lost, fontsize=8.5, color="#5a6068")
+    distance.set_title("leader straight on at 0.5 m/s, K = 2, L = 1, μ = 20, ν = 4")
     distance.set_ylabel("largest distance error  [mm]")
     bearing.set_ylabel("largest bearing error  [deg]")
     period_axis(bearing, periods)
-    handles, names = distance.get_legend_handles_labels()
-    figure.legend(handles, names, ncols=3, loc="outside lower center")
+    legend_below(figure)
     return figure

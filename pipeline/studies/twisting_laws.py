@@ -3,7 +3,7 @@
 One channel alone, sampled with and without noise: no robots, no geometry.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import cos, sin
 from typing import TYPE_CHECKING
@@ -13,9 +13,9 @@ import numpy as np
 from control.channel import ChannelMemory
 from control.laws import Law, is_first_order
 from control.twisting import TwistingGains, twist
-from pipeline.report.style import color_of, new_figure
-from pipeline.studies.drawing import logarithmic, period_axis
-from pipeline.studies.study import Cell, Progress, Result
+from pipeline.report.style import new_figure
+from pipeline.studies.drawing import draw_curve, law_color, legend_below, logarithmic, period_axis
+from pipeline.studies.study import Progress, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -52,18 +52,20 @@ class TwistingLaws:
             Largest |s|, one row a law, period and noise.
         """
         cases = [(p, noise) for p in self.periods for noise in self.noises]
-        total, done, rows = sum(1.0 / p for p, _ in cases), 0.0, list[tuple[Cell, ...]]()
+        total, done = sum(1.0 / p for p, _ in cases), 0.0
+        largest: dict[tuple[Law, float, float], float] = {}
         for period, noise in cases:
             for law in _LAWS:
                 left = [
                     _left(law, 1e-3 * period, 1e-3 * noise, self.until, seed)
                     for seed in range(self.runs if noise else 1)
                 ]
-                rows.append((law.title, period, noise, 1e3 * float(np.median(left))))
+                largest[law, period, noise] = 1e3 * float(np.median(left))
                 progress(done / total)
             done += 1.0 / period
         header = "law", "period_ms", "noise_mm", "largest_s_mm"
-        return Result(header, tuple(rows), lambda: _figure(rows, self.periods, self.noises))
+        rows = tuple((law.title, p, noise, s) for (law, p, noise), s in largest.items())
+        return Result(header, rows, lambda: _figure(largest, self.periods, self.noises))
 
 
 def _left(law: Law, tau: float, noise: float, until: float, seed: int) -> float:
@@ -89,19 +91,20 @@ def _moved(s: float, rate: float, v: float, t: float, tau: float) -> tuple[float
 
 
 def _figure(
-    rows: Sequence[tuple[Cell, ...]], periods: Sequence[float], noises: Sequence[float]
+    largest: Mapping[tuple[Law, float, float], float],
+    periods: Sequence[float],
+    noises: Sequence[float],
 ) -> "Figure":
     """One plot a noise, side by side."""
     figure, plots = new_figure(4.0, 1, len(noises))
     for axes, noise in zip(plots, noises, strict=True):
-        for law, marker in zip(_LAWS, "o^sv", strict=True):
-            left = [row[3] for row in rows if (row[0], row[2]) == (law.title, noise)]
-            color = color_of(1 + law)
-            axes.plot(periods, left, f"{marker}-", ms=4.5, color=color, label=law.title)
-        axes.set_title(f"s seen with ±{noise:g} mm" if noise else "s seen exactly")
+        for law, mark in zip(_LAWS, "^osv", strict=True):
+            left = [largest[law, period, noise] for period in periods]
+            draw_curve(axes, periods, left, (f"{mark}-", law_color(law), law.title))
+        seen = f"±{noise:g} mm of noise" if noise else "no noise"
+        axes.set_title(f"s″ = v + 2 sin t, {seen}")
         period_axis(axes, periods)
     logarithmic(plots[0], "y")
     plots[0].set_ylabel("largest |s|  [mm]")
-    handles, names = plots[0].get_legend_handles_labels()
-    figure.legend(handles, names, ncols=4, loc="outside lower center")
+    legend_below(figure)
     return figure
