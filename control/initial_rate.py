@@ -11,10 +11,11 @@ from statistics import stdev
 from control.differentiator import begin_differentiator, differentiate
 from control.errors import ControlError
 
-MIN_SAMPLES = 3
+MIN_SAMPLES = 6
 """Fewer samples tell a rate, but not how well it is known."""
 
-_FIRST = 5  # samples over which the first slope is taken, or half of them
+_FIRST = 5  # periods over which the first slope is taken, at most half of them
+_LATEST = 3  # estimates whose spread is told, at least
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: flo
     """Rate of a signal that was watched for a moment, for h'(0) of (25): Remark 5, case 2.
 
     Args:
-        times: (N,) capture times, N >= 3, ascending [s].
+        times: (N,) capture times, N >= 6, ascending [s].
         values: (N,) the signal, angles unwrapped.
         lipschitz: bound of the signal's third derivative, > 0 [unit per s^3].
 
@@ -42,7 +43,7 @@ def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: flo
         The differentiator's last estimate, and how much the latest ones differ.
 
     Raises:
-        ControlError: if there are fewer than 3 samples, the lengths differ or a sample is unusable.
+        ControlError: if there are fewer than 6 samples, the lengths differ or a sample is unusable.
     """
     if len(times) != len(values) or len(times) < MIN_SAMPLES:
         raise ControlError(
@@ -58,4 +59,4 @@ def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: flo
     for t, value in zip(times[first + 1 :], values[first + 1 :], strict=True):
         memory = differentiate(memory, t, value)
         course.append(memory.rate)
-    return InitialRate(course[-1], stdev(course[-max(MIN_SAMPLES, len(course) // 3) :]))
+    return InitialRate(course[-1], stdev(course[-max(_LATEST, len(course) // 3) :]))
