@@ -20,9 +20,7 @@ ORDERS = range(1, MAX_ORDER + 1)
 FORMS = pytest.mark.parametrize("explicit", [False, True], ids=["implicit", "explicit"])
 
 
-def worst_on_sine(
-    noise: float, times: np.ndarray, order: int = 2, explicit: bool = False
-) -> float:
+def worst_on_sine(noise: float, times: np.ndarray, order: int = 2, explicit: bool = False) -> float:
     """Largest error of the rate of sin t in the second half of the times."""
     rng, worst = np.random.default_rng(0), 0.0
     memory = begin_differentiator(0.0, 0.0, 1.0, order, explicit=explicit)
@@ -163,9 +161,7 @@ def test_what_is_refused(explicit: bool) -> None:
 
 @FORMS
 @given(values=st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=20), order=st.integers(1, 5))
-def test_finite_samples_give_finite_rates(
-    explicit: bool, values: list[float], order: int
-) -> None:
+def test_finite_samples_give_finite_rates(explicit: bool, values: list[float], order: int) -> None:
     memory = begin_differentiator(0.0, 0.0, 1.0, order, explicit=explicit)
     for i, value in enumerate(values, start=1):
         memory = differentiate(memory, 1e-3 * i, value)
