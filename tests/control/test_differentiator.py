@@ -76,6 +76,18 @@ def test_implicit_is_exact_on_polynomials_of_its_order(order: int) -> None:
 
 
 @pytest.mark.parametrize("order", ORDERS)
+def test_gains_are_levants(order: int) -> None:
+    recursive, gains = (1.1, 1.5, 2.0, 3.0, 5.0, 8.0), [0.0] * (order + 1)
+    gains[order] = recursive[order]
+    for j in range(order - 1, -1, -1):
+        gains[j] = recursive[j] * gains[j + 1] ** (j / (j + 1))
+    # an error of -1 moves z = 0 by the gains in a period of 1 s
+    memory = begin_differentiator(0.0, 0.0, 1.0, order, explicit=True)
+    memory = differentiate(differentiate(memory, 1.0, 1.0), 2.0, None)
+    assert memory.derivatives == pytest.approx(gains[::-1], abs=0.006)
+
+
+@pytest.mark.parametrize("order", ORDERS)
 def test_explicit_stays_near_polynomials_of_its_order(order: int) -> None:
     # |z_1 - f'| <= mu tau^n with L = 1; mu is the method's, below 10 for these gains
     memory, tau = begin_differentiator(0.0, 0.0, 1.0, order, explicit=True), 0.02
@@ -136,7 +148,7 @@ def test_a_lost_sample_hardly_matters(explicit: bool) -> None:
         t = start + i / 30
         memory = differentiate(memory, t, sin(t) if rng.random() > 0.2 else None)
         worst = max(worst, abs(memory.rate - cos(t)))
-    assert worst < (0.08 if explicit else 0.01)  # 0.0075 and 0.0004 with all samples
+    assert worst < (0.08 if explicit else 0.02)  # 0.0075 and 0.0004 with all samples
 
 
 @FORMS
