@@ -193,7 +193,7 @@ class RadioConfig(Section):
 
 
 class SafetyConfig(Section):
-    """When robots are slowed and stopped."""
+    """When robots are slowed and stopped, and how far their bodies are kept apart."""
 
     slow_after_s: Positive = 0.2
     stop_after_s: Positive = 0.3
@@ -201,6 +201,9 @@ class SafetyConfig(Section):
     good_frames_s: NonNegative = 1.0
     give_up_s: Positive = 10.0
     drive_ambiguous: bool = False
+    clearance_m: NonNegative = 0.02
+    approach_rate_per_s: Positive = 8.0
+    arena_m: tuple[Finite, Finite, Finite, Finite] | None = None
 
     @model_validator(mode="after")
     def _slow_before_stop(self) -> Self:
