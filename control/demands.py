@@ -123,7 +123,7 @@ Channels: TypeAlias = tuple[ChannelBounds, ChannelBounds]
 
 @dataclass(frozen=True, slots=True)
 class LeastGains:
-    """Gains at the edge of the conditions; anything above, by the same ratio, meets them.
+    """Gains at the very edge of the conditions; those for a slightly larger rho meet them.
 
     Attributes:
         amplitude: mu, V or lambda [m/s^2, rad/s^2].
@@ -135,7 +135,7 @@ class LeastGains:
 
 
 def channel_bounds(
-    motion: Motion, dynamics: Dynamics, compensation: Compensation, resolution: int = 16
+    motion: Motion, dynamics: Dynamics, compensation: Compensation, resolution: int = 24
 ) -> Channels:
     """What a law must reject per channel, (28): delta, delta', coupling and rho.
 

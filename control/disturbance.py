@@ -11,16 +11,14 @@ Whatever enters linearly (model errors, pushes, reference's and leader's acceler
 its worst in closed form; the rest is searched: a grid of ends and angles, then refined.
 """
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import inf, pi
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from control.errors import ControlError
+from control.maximum import Measures, maxima
 from control.model_errors import gain_error
 from control.nominal import ErrorDynamics, FloatArray
 from control.relative import Vector2
@@ -28,18 +26,6 @@ from control.uncertainty import Motion
 
 Dynamics: TypeAlias = tuple[ErrorDynamics, ErrorDynamics]
 """K and L of distance and bearing."""
-
-Measures: TypeAlias = Callable[[FloatArray], FloatArray]
-"""(11, N) points of Omega, or shares of its ranges -> (M, N) values to be maximised."""
-
-CLIMB = 30
-"""Steps uphill from the best point of the grid for every phi."""
-
-STARTS = 2
-"""Best points after the climb, from which each maximum is refined."""
-
-STEP = 1e-6
-"""Of finite differences, as a share of a range."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +61,7 @@ FIRST_ORDER = Compensation(own_velocities=True, leader_velocities=True)
 
 
 def channel_disturbances(
-    motion: Motion, dynamics: Dynamics, compensation: Compensation, resolution: int = 16
+    motion: Motion, dynamics: Dynamics, compensation: Compensation, resolution: int = 24
 ) -> Vector2:
     """Greatest |P_bar_j| of (28) in Omega, per channel; the first-order law's in (20).
 
@@ -88,8 +74,7 @@ def channel_disturbances(
         resolution: angles of the grid around a full circle, >= 4.
 
     Returns:
-        Of distance and of bearing, each at its own worst: the maxima found, not proved
-        [m/s^2, rad/s^2].
+        Of distance and of bearing, each at its own worst, found, not proved [m/s^2, rad/s^2].
 
     Raises:
         ControlError: if the distance may reach 0 or the grid is too coarse.
@@ -107,7 +92,7 @@ def disturbance_norm(
     dynamics: Dynamics,
     compensation: Compensation,
     scale: float,
-    resolution: int = 16,
+    resolution: int = 24,
 ) -> float:
     """rho_bar of (30) in Omega, or rho of (20), as a norm, the bearing scaled to metres.
 
@@ -236,68 +221,19 @@ def _box(motion: Motion) -> FloatArray:
     ])  # fmt: skip
 
 
-def _layers(box: FloatArray, resolution: int) -> Iterator[FloatArray]:
-    """The grid in shares of the ranges, (11, N) for every heading."""
-    widths = box[:, 1] - box[:, 0]
-    levels = np.array([2, 2, 2, 3, 2, 2, 2, 3, 3, 3, 2])
-    angles = [2, 10]  # psi^d and phi
-    levels[angles] = np.maximum(5, np.ceil(widths[angles] / (2.0 * pi) * resolution) + 1)
-    levels[widths == 0.0] = 1
-    axes = [np.linspace(0.0, 1.0, n) for n in levels]
-    grid = np.stack(np.meshgrid(*axes[:-1], [0.0], indexing="ij")).reshape(len(axes), -1)
-    for phi in axes[-1]:
-        grid[-1] = phi
-        yield grid
-
-
 def _maxima(measures: Measures, motion: Motion, resolution: int) -> list[float]:
     """Greatest value of each measure in Omega."""
-    if not motion.spacing[0] > 0.0:
+    near = motion.spacing[0]
+    if not near > 0.0:
         raise ControlError(
-            f"the distance may reach {motion.spacing[0]:g} m, where P_bar has no bound: "
+            f"the distance may reach {near:g} m, where P_bar has no bound: "
             "start nearer to the shape, or want a wider one"
         )
     if resolution < 4:
         raise ControlError(f"the grid needs at least 4 angles around a circle, got {resolution}")
     box = _box(motion)
-
-    def shares(unit: FloatArray) -> FloatArray:
-        return measures(box[:, :1] + (box[:, 1:] - box[:, :1]) * unit)
-
-    layers = [layer[:, shares(layer).argmax(axis=1)] for layer in _layers(box, resolution)]
-    best = np.stack(layers, axis=2)  # (11, M, headings)
-    moving = np.flatnonzero(box[:, 1] > box[:, 0])
-    tops = [_climbed(shares, j, best[:, j], moving) for j in range(best.shape[1])]
-    return [_refined(shares, j, top) for j, top in enumerate(tops)]
-
-
-def _climbed(
-    measures: Measures, j: int, points: FloatArray, moving: NDArray[np.intp]
-) -> FloatArray:
-    """(11, H) points after steps uphill for measure j: to an end of a range or along it."""
-    step, each = 0.25, np.arange(points.shape[1])
-    for _ in range(CLIMB):
-        around = np.repeat(points[:, :, None], 4 * len(moving) + 1, axis=2)
-        for k, i in enumerate(moving):
-            ends = (0.0, 1.0, points[i] - step, points[i] + step)
-            for n, place in enumerate(ends):
-                around[i, :, 4 * k + n] = np.clip(place, 0.0, 1.0)
-        values = measures(around.reshape(len(points), -1))[j].reshape(around.shape[1:])
-        points = around[:, each, values.argmax(axis=1)]
-        step *= 0.8
-    return points
-
-
-def _refined(measures: Measures, j: int, points: FloatArray) -> float:
-    """Greatest value of measure j near the best of some points (11, H)."""
-    best = np.argsort(-measures(points)[j])[:STARTS]
-    step, bounds = STEP * np.eye(len(points)), [(0.0, 1.0)] * len(points)
-
-    def downhill(unit: FloatArray) -> tuple[float, FloatArray]:
-        ahead, behind = np.minimum(unit + step, 1.0), np.maximum(unit - step, 0.0)
-        values = measures(np.concatenate([unit[:, None], ahead.T, behind.T], axis=1))[j]
-        up, down = np.split(values[1:], 2)
-        return -float(values[0]), (down - up) / np.diagonal(ahead - behind)
-
-    found = [minimize(downhill, points[:, k], jac=True, method="TNC", bounds=bounds) for k in best]
-    return max(-float(result.fun) for result in found)
+    levels = np.array([2, 2, 2, 3, 2, 2, 2, 3, 3, 3, 2])
+    angles = [2, 10]  # psi^d and phi
+    turns = (box[angles, 1] - box[angles, 0]) / (2.0 * pi)
+    levels[angles] = np.maximum(5, np.ceil(turns * resolution) + 1)
+    return maxima(measures, box, levels)

@@ -150,7 +150,8 @@ def certify(
         )
     dynamics = error_dynamics(gains)
     channels = channel_bounds(motion, dynamics, compensation)
-    scale = scale or 0.5 * sum(motion.reference.distance)
+    if scale is None:
+        scale = 0.5 * sum(motion.reference.distance)
     norm = norm_bounds(motion, scale)
     apart = motion.spacing[0] > 0.0
     rho = disturbance_norm(motion, dynamics, compensation, scale) if apart else inf
