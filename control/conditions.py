@@ -1,214 +1,191 @@
-"""Conditions on the gains of every sliding-mode law, each with its numbers and its remedy."""
+"""Conditions on the gains of every law, with numbers, and what would meet them.
 
+They are sufficient: where one fails, nothing is proved, and nothing is proved to go wrong.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass
-from math import inf, isfinite, sqrt
+from math import inf
 
-from control.demands import (
-    ChannelBounds,
-    Channels,
-    FirstOrderGains,
-    Law,
-    SuboptimalGains,
-    amplitude_of,
-    least_gains,
-)
-from control.errors import ControlError
+import numpy as np
+from scipy.optimize import brentq
+
+from control.demands import Demands
+from control.laws import Law, is_first_order
 from control.relative import Vector2
-from control.twisting import TwistingGains
-from control.uncertainty import Motion
+from control.sliding import SlidingGains
+
+CHANNELS = (("distance", "m/s^2"), ("bearing", "rad/s^2"))
 
 
 @dataclass(frozen=True, slots=True)
-class SuperTwistingGains:
-    """Gains of super-twisting on the first-order sliding variable.
+class Doubt:
+    """What is not known of a follower.
 
     Attributes:
-        root: k1, of sqrt|s|, > 0 [the root of the unit of s, per s].
-        integral: k2, of the integral of sign(s), > 0 [unit of s, per s^2].
-
-    Raises:
-        ControlError: if a gain is not positive.
+        model_error: E, bound of |eps| and |eps'| of (5), in [0, 1) [1].
+        push: length of pi of (4) at the camera point [m/s^2].
     """
 
-    root: float
-    integral: float
-
-    def __post_init__(self) -> None:
-        if not (0.0 < self.root < inf and 0.0 < self.integral < inf):
-            raise ControlError(f"super-twisting needs k1, k2 > 0, got {self}")
+    model_error: float = 0.0
+    push: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """One inequality, with its numbers: left > right, or left >= right for (20).
+    """One inequality: given > needed, or >= where that is enough to stay on s = 0.
 
     Attributes:
-        name: what is asked of what.
-        channel: "distance", "bearing" or "pair".
-        holds: whether it holds.
-        left: what there is [unit].
-        right: what is needed; infinite if nothing suffices [unit].
+        name: what is asked, in the paper's symbols; its first word is the gain.
+        channel: "distance", "bearing" or "both".
+        given: the gain.
+        needed: at the worst sample.
         unit: of both.
-        remedy: what would make it hold, all else left as it is.
+        strict: whether equality fails.
     """
 
     name: str
     channel: str
-    holds: bool
-    left: float
-    right: float
+    given: float
+    needed: float
     unit: str
-    remedy: str
+    strict: bool = True
 
     @property
-    def slack(self) -> float:
-        """(left - right)/(left + right), from -1, hopeless, to 1; > 0 where it holds."""
-        if not isfinite(self.right):
-            return -1.0
-        total = abs(self.left) + abs(self.right)
-        return (self.left - self.right) / total if total else 0.0
+    def holds(self) -> bool:
+        """Whether it holds."""
+        return self.given > self.needed or (not self.strict and self.given == self.needed)
 
 
-def condition(
-    name: str, channel: str, left: float, right: float, unit: str, strict: bool = True
-) -> Condition:
-    """An inequality with its verdict and its remedy.
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What alone would meet the conditions of a second-order law, all else as it is.
+
+    Attributes:
+        gains: least mu and nu, the same in both channels; None if none suffice [m/s^2, rad/s^2].
+        uncoupled: the same if no channel's control disturbed the other, as in the paper.
+        model_error: greatest E; None if not even exact robots help [1].
+        pace: greatest pace of the leader, up to 1; None if not even standing helps [1].
+        spacing: least added distance, up to three times the present one; None if none helps [m].
+    """
+
+    gains: Vector2 | None
+    uncoupled: Vector2
+    model_error: float | None
+    pace: float | None
+    spacing: float | None
+
+
+def conditions(
+    gains: SlidingGains, demand: Demands, doubt: Doubt, rate: float = inf
+) -> tuple[Condition, ...]:
+    """The conditions of the law in use over a tube of errors.
+
+    Twisting in all its forms: those after (31). Suboptimal (Bartolini, Ferrara, Usai 1998) with
+    V = mu and alpha* V = nu: V > rho/(alpha* delta) and V > 4 rho/(3 delta - alpha* delta'): every
+    extremum of s is smaller than the one before. In them rho is that of (30) and what the other
+    channel's control, at most mu, does to this one; the paper leaves that out. First order: lambda
+    of (20) is computed at every sample, so that its margin eta alone must cover what the law is not
+    told. Super-twisting: k1 = 1.5 Lip^(1/2), k2 = 1.1 Lip for k2 delta > Lip' and
+    k1 delta > (k2 delta + Lip')^(1/2) (Seeber and Horn 2017).
 
     Args:
-        name: what is asked; its first word is what there is to change.
-        channel: where.
-        left: what there is.
-        right: what is needed.
-        unit: of both.
-        strict: whether equality fails.
+        gains: law and gains.
+        demand: what must be rejected.
+        doubt: model errors and pushes.
+        rate: of the disturbance, for super-twisting [m/s^3].
 
     Returns:
-        The condition.
+        The conditions, channel by channel.
     """
-    holds = left > right or (not strict and left == right)
-    what, sign = f"{name.split()[0]} of the {channel}", ">" if strict else ">="
-    if holds:
-        remedy = "nothing: it holds"
-    elif isfinite(right):
-        remedy = f"{what} {sign} {right:.4g} {unit} instead of {left:.4g} {unit}"
-    else:
-        remedy = f"no {what} suffices; smaller errors or another motion"
-    return Condition(name, channel, holds, left, right, unit, remedy)
+    if gains.law == Law.SUPER_TWISTING:
+        given, g = gains.reaching.lipschitz, 1.0 - doubt.model_error
+        spare = 2.25 * g * g - 1.1 * g
+        needed = rate * max(1.0 / (1.1 * g), 1.0 / spare) if spare > 0.0 else inf
+        return (Condition("Lip > rate of the disturbance", "both", given, needed, "m/s^3"),)
+    if is_first_order(gains.law):
+        needed = float(demand.untold(doubt.model_error).max())
+        name = "eta >= what is not told of the leader's acceleration"
+        return (Condition(name, "both", gains.reaching.margin, needed, "m/s^2", strict=False),)
+    return _second_order(gains, demand, doubt)
 
 
-def spacing_condition(motion: Motion) -> Condition:
-    """Constraint 1 of the paper: the distance stays away from 0 in Omega.
+def find_needs(
+    gains: SlidingGains, doubt: Doubt, moved: Callable[[float, float], Demands]
+) -> Needs | None:
+    """What alone would meet the conditions of a second-order law.
 
     Args:
-        motion: the wanted distances and the error's extremes.
+        gains: law and gains.
+        doubt: model errors and pushes.
+        moved: demands at a pace of the leader and with an added distance [1, m].
 
     Returns:
-        The condition, in metres.
+        The needs; None for first-order laws, whose conditions are one number.
     """
-    low = motion.reference.distance[0]
-    return condition("spacing > error", "pair", low, motion.errors[0].high, "m")
+    if is_first_order(gains.law):
+        return None
 
+    def slack(pace: float, added: float) -> float:
+        met = conditions(gains, moved(pace, added), doubt)
+        return min(1.0 - condition.needed / condition.given for condition in met)
 
-def law_conditions(law: Law, channels: Channels) -> tuple[Condition, ...]:
-    """The conditions of a law in both channels.
-
-    Twisting: nu > rho/delta and mu > delta' nu/delta + 2 rho/delta, after (31). First order:
-    lambda >= (rho + eta)/c, (20). Suboptimal (Bartolini, Ferrara, Usai, "Chattering avoidance by
-    second-order sliding mode control", 1998): V > rho/(alpha* delta) and
-    V > 4 rho/(3 delta - alpha* delta'). The second one makes every extremum of s smaller than the
-    one before: half the way at alpha* delta' V + rho at most, stopped by delta V - rho at least.
-
-    Args:
-        law: gains, the same in both channels.
-        channels: what they must reject; rho is taken with the load of the coupling.
-
-    Returns:
-        Conditions, channel by channel.
-    """
-    return tuple(
-        item for channel in channels for item in _of_channel(law, channel, amplitude_of(law))
+    now = moved(1.0, 0.0)
+    near = float(now.near.min())
+    wider = (near * (share - 1.0) for share in np.geomspace(1.0, 4.0, 25))
+    return Needs(
+        _least_gains(gains.law, now, doubt, coupled=True),
+        _least_gains(gains.law, now, doubt, coupled=False) or (inf, inf),
+        _greatest_error(gains, now, doubt),
+        _greatest_pace(lambda pace: slack(pace, 0.0)),
+        next((float(added) for added in wider if slack(1.0, added) > 0.0), None),
     )
 
 
-def super_twisting_conditions(
-    gains: SuperTwistingGains, lipschitz: Vector2, low: Vector2 = (1.0, 1.0)
-) -> tuple[Condition, ...]:
-    """k2 > Lip/delta and k1 > sqrt(k2/delta + Lip/delta^2), sufficient (Seeber and Horn, 2017).
+def _shape(law: Law) -> Vector2:
+    """(p, q) of mu > (delta' nu + p rho)/(q delta)."""
+    return (4.0, 3.0) if law == Law.SUBOPTIMAL else (2.0, 1.0)
 
-    Checked against the exact worst case, two arcs of a linear system. The usual k1 = 1.5 sqrt(Lip),
-    k2 = 1.1 Lip meet them for delta = 1. What a changing gain g adds belongs to Lip; it is asked
-    for, since Omega bounds no third derivatives.
 
-    Args:
-        gains: k1 and k2, the same in both channels.
-        lipschitz: greatest rate of the first-order disturbance [m/s^3, rad/s^3].
-        low: delta of both channels [1].
-
-    Returns:
-        Conditions, channel by channel.
-    """
-    k1, k2 = gains.root, gains.integral
+def _second_order(gains: SlidingGains, demand: Demands, doubt: Doubt) -> tuple[Condition, ...]:
+    mu, nu, (p, q) = gains.twisting.mu, gains.twisting.nu, _shape(gains.law)
+    low, high = 1.0 - doubt.model_error, 1.0 + doubt.model_error
+    name = f"mu > (delta' nu + {p:g} rho)/{'(3 delta)' if q > 1.0 else 'delta'}"
+    loads = demand.disturbance(doubt.model_error, doubt.push)
+    loads = loads + mu * demand.coupling(doubt.model_error)
     found: list[Condition] = []
-    for name, unit, lip, g in zip(
-        ("distance", "bearing"), ("m", "rad"), lipschitz, low, strict=True
-    ):
-        found += (
-            condition("k2 > Lip/delta", name, k2, lip / g, f"{unit}/s^3"),
-            condition(
-                "k1 > sqrt(k2/delta + Lip/delta^2)",
-                name,
-                k1,
-                sqrt(k2 / g + lip / (g * g)),
-                f"{unit}^0.5/s^1.5",
-            ),
-        )
+    for (channel, unit), load in zip(CHANNELS, loads.max(axis=1).tolist(), strict=True):
+        needed = (high * nu + p * load) / (q * low)
+        found.append(Condition("nu > rho/delta", channel, nu, load / low, unit))
+        found.append(Condition(name, channel, mu, needed, unit))
     return tuple(found)
 
 
-def sampled_accuracy(gains: TwistingGains, channel: ChannelBounds) -> float | None:
-    """a in |s| <= a tau^2 of sampled twisting (31) that starts at rest on s = 0.
-
-    The order is Levant's (1993); the constant is derived here. Let A = delta' mu + rho,
-    B = delta' nu + rho and D = delta mu - rho. From speed Y tau at s = 0 the old sign may last for
-    one period, at B; then D stops s; its turn may go unseen for two periods, at A; then s falls
-    at B at most, so that it comes back with
-
-        Y^2 <= 4 A^2 + B (2 Y + B) + (B/D) (Y + B)^2.
-
-    B < D is the condition on mu. Y where both sides are equal bounds all speeds at s = 0.
-
-    Args:
-        gains: mu and nu.
-        channel: bounds; v held over a period must act as if G were right throughout.
-
-    Returns:
-        a, None if the conditions of twisting fail [m/s^2 or rad/s^2].
-    """
-    load = channel.load(gains.mu)
-    a, b = channel.high * gains.mu + load, channel.high * gains.nu + load
-    stop = channel.low * gains.mu - load
-    if not (b < stop and channel.low * gains.nu > load):
+def _least_gains(law: Law, demand: Demands, doubt: Doubt, coupled: bool) -> Vector2 | None:
+    """mu and nu at the edge: mu = share (rho + coupling mu), nu = (rho + coupling mu)/delta."""
+    low, high = 1.0 - doubt.model_error, 1.0 + doubt.model_error
+    p, q = _shape(law)
+    share = (p + high / low) / (q * low)
+    rho = demand.disturbance(doubt.model_error, doubt.push)
+    loop = 1.0 - share * demand.coupling(doubt.model_error if coupled else 0.0)
+    if not loop.min() > 0.0:
         return None
-    q = b / stop
-    half = b * (1.0 + q)
-    speed = (half + sqrt(half * half + (1.0 - q) * (4.0 * a * a + b * b * (1.0 + q)))) / (1.0 - q)
-    return speed + 0.5 * b + 0.5 * (speed + b) ** 2 / stop
+    mu = float((share * rho / loop).max())
+    return mu, mu / (share * low)
 
 
-def _of_channel(law: Law, channel: ChannelBounds, amplitude: float) -> tuple[Condition, ...]:
-    where, unit = channel.name, channel.unit
-    most = least_gains(law, (channel,), amplitude).amplitude
-    match law:
-        case TwistingGains():
-            nu = channel.least(amplitude)
-            needed = channel.spread * law.nu + 2.0 * nu
-            return (
-                condition("nu > rho/delta", where, law.nu, nu, unit),
-                condition("mu > (delta' nu + 2 rho)/delta", where, law.mu, needed, unit),
-            )
-        case SuboptimalGains():
-            both = "V > max(rho/(alpha* delta), 4 rho/(3 delta - alpha* delta'))"
-            return (condition(both, where, law.amplitude, most, unit),)
-        case FirstOrderGains():
-            what = "lambda >= (rho + eta)/c"
-            return (condition(what, where, law.reaching, most, unit, strict=False),)
+def _greatest_error(gains: SlidingGains, demand: Demands, doubt: Doubt) -> float | None:
+    """All conditions are linear in E."""
+    mu, nu, (p, q) = gains.twisting.mu, gains.twisting.nu, _shape(gains.law)
+    still = demand.disturbance(0.0, doubt.push)
+    grows = demand.disturbance(1.0, doubt.push) - still + mu * demand.coupling(1.0)
+    by_nu = (nu - still) / (nu + grows)
+    by_mu = (q * mu - nu - p * still) / (q * mu + nu + p * grows)
+    most = float(min(by_nu.min(), by_mu.min()))
+    return most if most > 0.0 else None
+
+
+def _greatest_pace(slack: Callable[[float], float]) -> float | None:
+    if slack(1.0) > 0.0:
+        return 1.0
+    return float(brentq(slack, 0.0, 1.0, xtol=1e-3)) if slack(0.0) > 0.0 else None

@@ -1,249 +1,235 @@
-"""The least gains with which each sliding-mode law rejects what it must: (20), (28), (31).
+"""What a follower's law must reject: proved bounds of (28)-(30) over errors, sample by sample.
 
-All laws act on s_j'' (first order: s_j') = g v_j + m v_other - P_j, one channel j each, with
-delta <= g <= delta', |m| <= coupling and |P_j| <= rho. The other channel's control is a
-disturbance here: the load of a channel is rho + coupling times the other's amplitude.
+With z = psi' + w_i, equation (8) with the own-velocity terms in u leaves of P_bar in (28)
+
+    l z^2 - v_i w_i sin psi - a_i cos psi                         - K e_l'      + errors + pushes
+    (-2 l' z - v_i w_i cos psi + a_i sin psi)/l - w_i'            - K e_psi'    + errors + pushes
+
+In metres (bearings times l) G Delta G^-1 is a rotated Delta: its norm is at most the model error E,
+so that (29) has delta = 1 - E and delta' = 1 + E, and its entries off the diagonal are at most E:
+one channel feels E l or E/l times the control of the other. Every heading phi is covered.
 """
 
 from dataclasses import dataclass
-from math import inf, isfinite
-from typing import TypeAlias
+from itertools import product
+from math import hypot, inf
 
-from scipy.optimize import brentq
+import numpy as np
 
-from control.disturbance import Compensation, Dynamics, channel_disturbances
-from control.errors import ControlError
-from control.model_errors import gain_bounds
-from control.twisting import TwistingGains
-from control.uncertainty import Motion
+from control.course import IdealFollower, PairCourse
+from control.nominal import FloatArray
+from control.output import MIN_DISTANCE
+from control.relative import Vector2
+from control.sliding import SlidingGains
 
-CHANNELS = (("distance", "m/s^2"), ("bearing", "rad/s^2"))
-"""Names of the channels and units of their controls."""
+Reach = tuple[Vector2, Vector2]
+"""Of errors and their rates about a course, of distance and bearing [m, rad, per s]."""
 
-MOST = 1e9
-"""Amplitudes above this are no amplitudes [m/s^2, rad/s^2]."""
-
-
-@dataclass(frozen=True, slots=True)
-class SuboptimalGains:
-    """Gains of the suboptimal law of Bartolini, Ferrara and Usai (Remark 6).
-
-    Attributes:
-        amplitude: V, > 0 [m/s^2, rad/s^2].
-        share: alpha*, of V far from the last extremum, in (0, 1] [1].
-
-    Raises:
-        ControlError: if V is not positive or alpha* not in (0, 1].
-    """
-
-    amplitude: float
-    share: float = 1.0
-
-    def __post_init__(self) -> None:
-        if not (0.0 < self.amplitude < inf and 0.0 < self.share <= 1.0):
-            raise ControlError(
-                f"the suboptimal law needs V > 0 and 0 < alpha* <= 1, got {self.amplitude}, "
-                f"{self.share}"
-            )
+ON_COURSE: Reach = ((0.0, 0.0), (0.0, 0.0))
 
 
 @dataclass(frozen=True, slots=True)
-class FirstOrderGains:
-    """Gains of the first-order law (19), (20).
+class Demands:
+    """Bounds at N samples, parted by what causes them.
 
     Attributes:
-        reaching: lambda_k, > 0 [m/s^2, rad/s^2].
-        margin: eta of (20), > 0 [m/s^2, rad/s^2].
-
-    Raises:
-        ControlError: if a gain is not positive.
+        exact: (2, N) of |P_bar| without model errors and pushes; infinite where the distance may
+            fall to `MIN_DISTANCE`, where the law's G ends [m/s^2, rad/s^2].
+        fed: (N,) length of what model errors multiply, bearings times l [m/s^2].
+        leader: (N,) length of the leader's acceleration as h'' feels it [m/s^2].
+        leader_known: whether the law is told that acceleration.
+        near: (N,) least distance [m].
+        far: (N,) greatest distance [m].
     """
 
-    reaching: float
-    margin: float = 0.1
+    exact: FloatArray
+    fed: FloatArray
+    leader: FloatArray
+    leader_known: bool
+    near: FloatArray
+    far: FloatArray
 
-    def __post_init__(self) -> None:
-        if not (0.0 < self.reaching < inf and 0.0 < self.margin < inf):
-            raise ControlError(f"lambda and eta of (20) must be > 0, got {self}")
-
-
-Law: TypeAlias = TwistingGains | SuboptimalGains | FirstOrderGains
-
-
-@dataclass(frozen=True, slots=True)
-class ChannelBounds:
-    """What a law must reject in one channel, equation (28).
-
-    Attributes:
-        name: "distance" or "bearing".
-        unit: of its control.
-        low: delta of (29), or c of (13) [1].
-        high: delta' of (29) [1].
-        coupling: greatest share of the other channel's control [m or 1/m].
-        disturbance: rho of (20) or (30) [m/s^2 or rad/s^2].
-    """
-
-    name: str
-    unit: str
-    low: float
-    high: float
-    coupling: float
-    disturbance: float
-
-    @property
-    def spread(self) -> float:
-        """delta'/delta, infinite unless delta > 0 [1]."""
-        return _over(self.high, self.low)
-
-    def load(self, amplitude: float) -> float:
-        """Everything the channel's control must reject.
+    def disturbance(self, model_error: float, push: float) -> FloatArray:
+        """rho of (30) per channel.
 
         Args:
-            amplitude: of the other channel's control [its unit].
+            model_error: E, bound of |eps| and |eps'| (5) [1].
+            push: length of pi of (4) at the camera point [m/s^2].
 
         Returns:
-            rho + coupling times amplitude [m/s^2 or rad/s^2].
+            (2, N) bounds of |P_bar| [m/s^2, rad/s^2].
         """
-        return self.disturbance + self.coupling * amplitude
+        length = model_error * self.fed + push
+        return self.exact + np.stack((length, length / self.near))
 
-    def least(self, amplitude: float) -> float:
-        """The least control that can reject the load.
+    def coupling(self, model_error: float) -> FloatArray:
+        """How much of the other channel's control each channel feels.
 
         Args:
-            amplitude: of the other channel's control [its unit].
+            model_error: E [1].
 
         Returns:
-            Load over delta, infinite unless delta > 0 [m/s^2 or rad/s^2].
+            (2, N) bounds, reached at phi = 45 deg by errors of opposite sign [m, 1/m].
         """
-        return _over(self.load(amplitude), self.low)
+        return model_error * np.stack((self.far, 1.0 / self.near))
+
+    def untold(self, model_error: float) -> FloatArray:
+        """What a law is not told of its leader's acceleration.
+
+        Args:
+            model_error: E, the leader's too [1].
+
+        Returns:
+            (N,) bounds, bearings times l [m/s^2].
+        """
+        return self.leader * (model_error if self.leader_known else 1.0)
 
 
-Channels: TypeAlias = tuple[ChannelBounds, ChannelBounds]
-
-
-@dataclass(frozen=True, slots=True)
-class LeastGains:
-    """Gains at the very edge of the conditions; those for a slightly larger rho meet them.
-
-    Attributes:
-        amplitude: mu, V or lambda [m/s^2, rad/s^2].
-        nu: of twisting, else None [m/s^2, rad/s^2].
-    """
-
-    amplitude: float
-    nu: float | None = None
-
-
-def channel_bounds(
-    motion: Motion, dynamics: Dynamics, compensation: Compensation, resolution: int = 24
-) -> Channels:
-    """What a law must reject per channel, (28): delta, delta', coupling and rho.
+def push_length(disturbance: Vector2, camera_offset: float) -> float:
+    """Greatest push of the camera point in any direction, by (4) through G.
 
     Args:
-        motion: what may happen.
-        dynamics: K and L of both channels.
-        compensation: what the law takes out.
-        resolution: angles of the search's grid around a full circle.
+        disturbance: bounds of pi_v and pi_omega [m/s^2, rad/s^2].
+        camera_offset: d [m].
 
     Returns:
-        Bounds of distance and bearing; infinite where the distance may reach 0.
+        max over phi of pi_v |cos phi| + d pi_omega |sin phi| [m/s^2].
     """
-    g = gain_bounds(motion)
-    rho = (inf, inf)
-    if motion.spacing[0] > 0.0:
-        rho = channel_disturbances(motion, dynamics, compensation, resolution)
-    first, second = (
-        ChannelBounds(*CHANNELS[j], g.low[j], g.high[j], g.coupling[j], rho[j]) for j in (0, 1)
-    )
-    return first, second
+    return hypot(disturbance[0], camera_offset * disturbance[1])
 
 
-def amplitude_of(law: Law) -> float:
-    """Greatest |v| a law can give.
+def demands(
+    course: PairCourse,
+    reach: Reach,
+    gains: SlidingGains,
+    camera_offset: float,
+    leader_known: bool,
+    turn: FloatArray | None = None,
+) -> Demands:
+    """Bounds of what a second-order law must reject, for errors within reach of a course.
 
     Args:
-        law: its gains.
+        course: the pair.
+        reach: of errors about those of the course.
+        gains: K and L.
+        camera_offset: d [m].
+        leader_known: whether the law is told the leader's acceleration; then model errors alone,
+            the follower's and the leader's, keep it from being cancelled.
+        turn: (N,) of the follower where it is known, else any it can have [rad/s].
 
     Returns:
-        mu, V or lambda [m/s^2, rad/s^2].
+        The bounds; `exact` and the coupling are reached.
     """
-    match law:
-        case TwistingGains():
-            return law.mu
-        case SuboptimalGains():
-            return law.amplitude
-        case FirstOrderGains():
-            return law.reaching
+    l, apart = course.output[0, 0], course.output[0, 0].min() - reach[0][0]  # noqa: E741
+    near, far = np.maximum(l - reach[0][0], MIN_DISTANCE), l + reach[0][0]
+    a, alpha = course.leader.acceleration
+    leader, unknown = np.abs(a) + far * np.abs(alpha), 0.0 if leader_known else 1.0
+    exact = np.stack((
+        _along(course, reach, gains.distance.proportional, near, far, unknown * a),
+        _across(course, reach, gains.bearing.proportional, near, far, unknown * a, unknown * alpha),
+    ))  # fmt: skip
+    speed = _camera_speed(course, reach, near, far)
+    own = speed * np.minimum(speed / camera_offset, inf if turn is None else np.abs(turn))
+    fed = _pull(course, reach, gains, far) + own + 2.0 * (1.0 - unknown) * leader
+    if not apart > MIN_DISTANCE:
+        exact = np.full_like(exact, inf)
+    return Demands(exact, fed, leader, leader_known, near, far)
 
 
-def least_gains(law: Law, channels: tuple[ChannelBounds, ...], amplitude: float) -> LeastGains:
-    """Least gains that serve channels under a given amplitude of each one's other channel.
+def disturbance_rate(
+    course: PairCourse, ideal: IdealFollower, camera_offset: float, model_error: float, told: bool
+) -> float:
+    """Greatest rate of what super-twisting must reject on the nominal path, pushes left out.
+
+    G Delta u is a rotated Delta times (u_1, d u_2), in metres. Rates are differences of samples: a
+    jump counts as its height over the time between two.
 
     Args:
-        law: its kind, and alpha* or eta; its amplitudes do not matter.
-        channels: what they must reject, at least one.
-        amplitude: of the other channel's control [its unit].
+        course: of the pair.
+        ideal: the follower if it slides ideally.
+        camera_offset: d [m].
+        model_error: E [1].
+        told: whether the law is told the leader's acceleration.
 
     Returns:
-        The gains, infinite if none suffice.
+        The rate, bearings times l [m/s^3].
     """
-    match law:
-        case TwistingGains():
-            nu = max(c.least(amplitude) for c in channels)
-            return LeastGains(max(c.spread * nu + 2.0 * c.least(amplitude) for c in channels), nu)
-        case SuboptimalGains():
-            return LeastGains(max(_least_suboptimal(law.share, c, amplitude) for c in channels))
-        case FirstOrderGains():
-            return LeastGains(max(_over(c.load(amplitude) + law.margin, c.low) for c in channels))
+    (l, psi), (a, alpha) = course.output[0], course.leader.acceleration  # noqa: E741
+    asked = ideal.motion.acceleration * np.array([[1.0], [camera_offset]])
+    turning = np.abs(np.diff(ideal.phi)) + np.abs(np.diff(np.log(l)))
+    through_errors = np.hypot(*np.diff(asked)) + turning * np.hypot(*asked)[1:]
+    pushed = np.stack((-a * np.cos(psi), a * np.sin(psi) - l * alpha))
+    by_leader = (model_error if told else 1.0) * np.hypot(*np.diff(pushed))
+    dt = float(course.times[1] - course.times[0])
+    return float((model_error * through_errors + by_leader).max()) / dt
 
 
-def least_gains_apart(law: Law, channels: Channels) -> tuple[LeastGains, LeastGains] | None:
-    """Least gains if each channel has its own.
-
-    Args:
-        law: its kind, and alpha* or eta; its amplitudes do not matter.
-        channels: what they must reject.
-
-    Returns:
-        Gains of distance and bearing, None if the coupling lets no gains suffice.
-    """
-    base = [least_gains(law, (c,), 0.0).amplitude for c in channels]
-    slope = [least_gains(law, (c,), 1.0).amplitude - b for c, b in zip(channels, base, strict=True)]
-    loop = 1.0 - slope[0] * slope[1]
-    if not (all(map(isfinite, (*base, *slope))) and loop > 0.0):
-        return None
-    # x_0 = base_0 + slope_0 x_1 and the other way round
-    x = (base[0] + slope[0] * base[1]) / loop, (base[1] + slope[1] * base[0]) / loop
-    return least_gains(law, (channels[0],), x[1]), least_gains(law, (channels[1],), x[0])
+def _along(
+    course: PairCourse, reach: Reach, damping: float, near: FloatArray, far: FloatArray,
+    a: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Greatest |l z^2 - v w sin psi - a cos psi - K e_l'|: its parts share no error."""
+    v, omega = course.leader.twist
+    z, spread = np.abs(course.output[1, 1] + omega), reach[1][1]
+    least, most = _wave(-v * omega, -a, course, reach)
+    damped, give = -damping * course.error[1, 0], damping * reach[1][0]
+    low = near * np.maximum(z - spread, 0.0) ** 2 + least + damped - give
+    high = far * (z + spread) ** 2 + most + damped + give
+    worst: FloatArray = np.maximum(np.abs(low), np.abs(high))
+    return worst
 
 
-def least_gains_shared(law: Law, channels: Channels) -> LeastGains | None:
-    """Least gains if both channels have the same numbers, as in the paper.
-
-    Args:
-        law: its kind, and alpha* or eta; its amplitudes do not matter.
-        channels: what they must reject.
-
-    Returns:
-        The gains, None if the coupling lets no gains suffice.
-    """
-
-    def lack(amplitude: float) -> float:
-        return least_gains(law, channels, amplitude).amplitude - amplitude
-
-    if not lack(MOST) < 0.0:
-        return None
-    return least_gains(law, channels, float(brentq(lack, 0.0, MOST)))
-
-
-def _least_suboptimal(share: float, channel: ChannelBounds, amplitude: float) -> float:
-    load = channel.load(amplitude)
-    return max(
-        _over(load, share * channel.low),
-        _over(4.0 * load, 3.0 * channel.low - share * channel.high),
-    )
+def _across(
+    course: PairCourse, reach: Reach, damping: float, near: FloatArray, far: FloatArray,
+    a: FloatArray, alpha: FloatArray,
+) -> FloatArray:  # fmt: skip
+    """Greatest |(-2 l' z - v w cos psi + a sin psi)/l - w' - K e_psi'|: linear in each of e_l',
+    e_psi', 1/l and the wave, so that it is greatest at a corner of them."""
+    v, omega = course.leader.twist
+    found = []
+    for l, wave, i, j in product(  # noqa: E741 (the paper's l)
+        (near, far), _wave(a, -v * omega, course, reach), (-1.0, 1.0), (-1.0, 1.0)
+    ):
+        e1_rate, e2_rate = course.error[1] + [[i * reach[1][0]], [j * reach[1][1]]]
+        l_rate, z = course.wanted[1, 0] - e1_rate, course.wanted[1, 1] - e2_rate + omega
+        found.append(np.abs((-2.0 * l_rate * z + wave) / l - alpha - damping * e2_rate))
+    worst: FloatArray = np.max(found, axis=0)
+    return worst
 
 
-def _over(value: float, by: float) -> float:
-    """Quotient; infinite where the gain may vanish."""
-    return value / by if by > 0.0 else inf
+def _pull(course: PairCourse, reach: Reach, gains: SlidingGains, far: FloatArray) -> FloatArray:
+    """Greatest length of L e + h^d'', bearings times l."""
+    l2 = np.array([[gains.distance.integral], [gains.bearing.integral]])
+    most = np.abs(l2 * course.error[0] + course.wanted[2]) + l2 * np.array(reach[0])[:, None]
+    length: FloatArray = np.hypot(most[0], far * most[1])
+    return length
+
+
+def _camera_speed(
+    course: PairCourse, reach: Reach, near: FloatArray, far: FloatArray
+) -> FloatArray:
+    """Greatest |V|, V = (v cos psi + l', l z - v sin psi) of the camera point on the floor: convex
+    in l' and l z."""
+    v, omega = course.leader.twist
+    squares = []
+    for l, i, j in product((near, far), (-1.0, 1.0), (-1.0, 1.0)):  # noqa: E741 (the paper's l)
+        x = course.output[1, 0] + i * reach[1][0]
+        y = l * (course.output[1, 1] + j * reach[1][1] + omega)
+        squares.append(x * x + y * y + v * v + 2.0 * _wave(-v * y, v * x, course, reach)[1])
+    fastest: FloatArray = np.sqrt(np.maximum(np.max(squares, axis=0), 0.0))
+    return fastest
+
+
+def _wave(
+    sine: FloatArray, cosine: FloatArray, course: PairCourse, reach: Reach
+) -> tuple[FloatArray, FloatArray]:
+    """Least and greatest sine sin psi + cosine cos psi within reach."""
+    height, off = np.hypot(sine, cosine), course.output[0, 1] - np.arctan2(sine, cosine)
+    return -height * _crest(off + np.pi, reach[0][1]), height * _crest(off, reach[0][1])
+
+
+def _crest(middle: FloatArray, half: float) -> FloatArray:
+    """Greatest cosine over middle +- half [rad]."""
+    away = np.abs((middle + np.pi) % (2.0 * np.pi) - np.pi)  # from the nearest crest
+    crest: FloatArray = np.cos(np.maximum(away - half, 0.0))
+    return crest

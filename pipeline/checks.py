@@ -9,6 +9,7 @@ import numpy as np
 from control.geometry import Pose2D, compose, wrap_angle
 from control.laws import Law
 from control.unicycle import UnicycleState
+from pipeline.certificate_findings import certificate_findings
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.finding import Finding
@@ -41,6 +42,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
     return (
         _formation(setup),
         *_gains(scenario, setup),
+        *certificate_findings(scenario, setup),
         *_plan(scenario, setup),
         *_seeing(scenario, setup.seeing),
         _radio(scenario),
