@@ -104,7 +104,7 @@ def demands(
     gains: SlidingGains,
     camera_offset: float,
     leader_known: bool,
-    turn: FloatArray | None = None,
+    own: FloatArray | None = None,
 ) -> Demands:
     """Bounds of what a second-order law must reject, for errors within reach of a course.
 
@@ -115,7 +115,8 @@ def demands(
         camera_offset: d [m].
         leader_known: whether the law is told the leader's acceleration; then model errors alone,
             the follower's and the leader's, keep it from being cancelled.
-        turn: (N,) of the follower where it is known, else any it can have [rad/s].
+        own: (N,) length of the own-velocity terms where the follower's motion is known, else any
+            they can have: |V|^2/d for a camera point at |V| [m/s^2].
 
     Returns:
         The bounds; `exact` and the coupling are reached.
@@ -128,8 +129,10 @@ def demands(
         _along(course, reach, gains.distance.proportional, near, far, unknown * a),
         _across(course, reach, gains.bearing.proportional, near, far, unknown * a, unknown * alpha),
     ))  # fmt: skip
-    speed = _camera_speed(course, reach, near, far)
-    own = speed * np.minimum(speed / camera_offset, inf if turn is None else np.abs(turn))
+    if own is None:
+        v, omega = np.abs(course.leader.twist)
+        l_rate, psi_rate = np.abs(course.output[1]) + np.array(reach[1])[:, None]
+        own = (v + np.hypot(l_rate, far * (psi_rate + omega))) ** 2 / camera_offset
     fed = _pull(course, reach, gains, far) + own + 2.0 * (1.0 - unknown) * leader
     if not apart > MIN_DISTANCE:
         exact = np.full_like(exact, inf)
@@ -203,21 +206,6 @@ def _pull(course: PairCourse, reach: Reach, gains: SlidingGains, far: FloatArray
     most = np.abs(l2 * course.error[0] + course.wanted[2]) + l2 * np.array(reach[0])[:, None]
     length: FloatArray = np.hypot(most[0], far * most[1])
     return length
-
-
-def _camera_speed(
-    course: PairCourse, reach: Reach, near: FloatArray, far: FloatArray
-) -> FloatArray:
-    """Greatest |V|, V = (v cos psi + l', l z - v sin psi) of the camera point on the floor: convex
-    in l' and l z."""
-    v, omega = course.leader.twist
-    squares = []
-    for l, i, j in product((near, far), (-1.0, 1.0), (-1.0, 1.0)):  # noqa: E741 (the paper's l)
-        x = course.output[1, 0] + i * reach[1][0]
-        y = l * (course.output[1, 1] + j * reach[1][1] + omega)
-        squares.append(x * x + y * y + v * v + 2.0 * _wave(-v * y, v * x, course, reach)[1])
-    fastest: FloatArray = np.sqrt(np.maximum(np.max(squares, axis=0), 0.0))
-    return fastest
 
 
 def _wave(

@@ -4,7 +4,7 @@ It is for ideal sliding: without sampling, motor lag or saturation.
 """
 
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isfinite
 
 import numpy as np
 
@@ -33,8 +33,8 @@ class Verdict:
 
     @property
     def holds(self) -> bool:
-        """Whether all conditions hold."""
-        return all(condition.holds for condition in self.conditions)
+        """Whether rho has a bound and all conditions hold."""
+        return isfinite(max(self.rho)) and all(condition.holds for condition in self.conditions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,12 +116,13 @@ def certify(
     Returns:
         The certificate.
     """
-    assumed, turn = gains.reaching, ideal.motion.twist[1]
+    assumed, (v, turn) = gains.reaching, ideal.motion.twist
+    own = np.abs(turn) * np.hypot(v, camera_offset * turn)
     doubt = Doubt(assumed.model_error, push_length(assumed.disturbance, camera_offset))
 
     def moved(pace: float, added: float) -> Demands:
         changed = course.moved(pace, added)
-        return demands(changed, ON_COURSE, gains, camera_offset, leader_known, turn)
+        return demands(changed, ON_COURSE, gains, camera_offset, leader_known, own)
 
     def along(doubt: Doubt) -> Verdict:
         error = doubt.model_error

@@ -89,34 +89,6 @@ def half_width(gains: ChannelGains, bound: float, rate: float = 0.0) -> float:
     return bound if excess(bound) <= 0.0 else float(brentq(excess, 0.0, bound))
 
 
-def invariant_edge(gains: ChannelGains, bound: float, points: int = 100) -> FloatArray:
-    """Edge of Lambda in the plane of error and rate, for a picture.
-
-    Lambda is convex and symmetric. Its upper side is the path that led to (bound, 0), its lower
-    side the mirrored one; the straight sides e = +-bound join them.
-
-    Args:
-        gains: K and L, > 0.
-        bound: alpha or beta of (9), > 0 [m or rad].
-        points: vertices on each of the two paths, >= 2.
-
-    Returns:
-        (2 points + 1, 2) read-only pairs e, e', closed, counter-clockwise [m or rad, per s].
-
-    Raises:
-        ControlError: if the bound is not positive and finite or there are too few points.
-    """
-    _require_bound(bound)
-    if points < 2:
-        raise ControlError(f"a path needs at least 2 points, got {points}")
-    past = np.linspace(0.0, -_time_across(gains), points)
-    upper = bound * np.column_stack(nominal_error(gains, 1.0, 0.0, past))
-    upper[-1, 0] = -bound
-    edge = np.concatenate([upper, -upper, upper[:1]])
-    edge.setflags(write=False)
-    return edge
-
-
 def _next(gains: ChannelGains, value: float, rate: float) -> float:
     """Second derivative of a solution."""
     return -gains.proportional * rate - gains.integral * value
@@ -150,20 +122,6 @@ def _first_zero(gains: ChannelGains, value: float, rate: float) -> float:
     if not (0.0 < ahead < inf and eta * ahead < 1.0):
         return 0.0
     return atanh(eta * ahead) / eta if eta > 0.0 else ahead
-
-
-def _time_across(gains: ChannelGains) -> float:
-    """Time from (-1, some rate) to (1, 0) [s]."""
-    discriminant = 0.25 * gains.proportional**2 - gains.integral
-    half_turn = pi / sqrt(-discriminant) if discriminant < 0.0 else inf
-
-    def beyond(t: float) -> float:
-        return 1.0 + float(nominal_error(gains, 1.0, 0.0, -t)[0])
-
-    t = min(0.5 / sqrt(gains.integral), half_turn)
-    while beyond(t) > 0.0 and t < half_turn:
-        t = min(2.0 * t, half_turn)
-    return float(brentq(beyond, 0.0, t)) if beyond(t) < 0.0 else t
 
 
 def _require_bound(bound: float) -> None:

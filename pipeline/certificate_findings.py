@@ -23,7 +23,7 @@ def certificate_findings(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
         setup: made from it.
 
     Yields:
-        Up to three findings a follower, and one for a plan whose velocities jump.
+        Up to four findings a follower, and one for a plan whose velocities jump.
     """
     made = make_certificates(scenario, setup)
     for certified in made.pairs:
@@ -50,8 +50,8 @@ def _jumps(made: Certificates) -> Finding:
     when = ", ".join(f"{t:.2f}" for t in made.jumps[0])
     v, omega = abs(made.jumps[1:]).max(axis=1)
     detail = (
-        f"its velocities jump by up to {v:.2g} m/s, {omega:.3g} rad/s at {when} s: no law keeps s = 0 "
-        "through a jump; certificates are for what is between"
+        f"its velocities jump by up to {v:.2g} m/s, {omega:.3g} rad/s at {when} s: no law keeps "
+        "s = 0 through a jump; certificates are for what is between"
     )
     return Finding("smooth plan", False, detail, binding=False)
 
@@ -71,30 +71,37 @@ def _of_pair(certified: Certified, setup: Setup) -> Iterator[Finding]:
         f"{gains.law.title} for exact robots on this plan{whose}: {_told(certificate.exact)}",
         binding=planned and gains.law != Law.SUPER_TWISTING,
     )
-    detail = _certificate(certificate, gains.law)
-    yield Finding(f"certificate {robot}", certificate.run.holds, detail, binding=False)
+    for topic, verdict, detail in (
+        ("certificate", certificate.run, _run(certificate, gains.law)),
+        ("all of omega", certificate.everywhere, _everywhere(certificate, gains.law)),
+    ):
+        yield Finding(f"{topic} {robot}", verdict.holds, detail, binding=False)
 
 
 def _omega(certificate: Certificate) -> str:
     (alpha, beta), (width, width_2) = certificate.omega.bounds, certificate.omega.invariant
     return (
         f"|e_l| < {1e3 * alpha:.0f} mm, |e_psi| < {degrees(beta):.1f} deg; Lambda: starts within "
-        f"{1e3 * width:.0f} mm, {degrees(width_2):.1f} deg, at this one's rates, stay in it; from this "
-        f"one the nominal path keeps {1e3 * certificate.least_distance:.0f} mm from the leader"
+        f"{1e3 * width:.0f} mm, {degrees(width_2):.1f} deg, at this one's rates, stay in it; from "
+        f"this one the nominal path keeps {1e3 * certificate.least_distance:.0f} mm from the leader"
     )
 
 
-def _certificate(certificate: Certificate, law: Law) -> str:
+def _run(certificate: Certificate, law: Law) -> str:
+    """From this start."""
     error, push = certificate.doubt.model_error, certificate.doubt.push
-    parts = [
-        f"{'guaranteed' if certificate.run.holds else 'not guaranteed'} with model errors of "
-        f"{100.0 * error:.3g} % (delta {1.0 - error:.2f}, delta' {1.0 + error:.2f}) and pushes of "
-        f"{push:.2f} m/s^2: {_rho(certificate.run, law)}{_told(certificate.run)}"
-    ]
-    if certificate.needs is not None:
-        parts.append(f"each alone would do: {_needs(certificate.needs)}")
-    parts.append(_everywhere(certificate, law))
-    return ". ".join(parts)
+    told = (
+        f"{_word(certificate.run)} from this start with model errors of {100.0 * error:.3g} % "
+        f"(delta {1.0 - error:.2f}, delta' {1.0 + error:.2f}) and pushes of {push:.2f} m/s^2: "
+        f"{_rho(certificate.run, law)}{_told(certificate.run)}"
+    )
+    if certificate.needs is None:
+        return told
+    return f"{told}; each alone would do: {_needs(certificate.needs)}"
+
+
+def _word(verdict: Verdict) -> str:
+    return "guaranteed" if verdict.holds else "not guaranteed"
 
 
 def _rho(verdict: Verdict, law: Law) -> str:
@@ -118,16 +125,15 @@ def _told(verdict: Verdict) -> str:
 
 def _needs(needs: Needs) -> str:
     mu, nu = needs.gains or needs.uncoupled
-    if needs.gains:
-        gains = f"mu {mu:.3g}, nu {nu:.3g}"
-    else:
-        gains = f"no mu and nu (mu {mu:.3g}, nu {nu:.3g} if channels did not disturb each other)"
+    gains = f"mu {mu:.3g}, nu {nu:.3g}"
+    if not needs.gains:
+        gains = f"no mu and nu ({gains} if neither channel's control disturbed the other)"
     error, pace, added = needs.model_error, needs.pace, needs.spacing
     return ", ".join((
         gains,
         "no model error" if error is None else f"model errors of {100.0 * error:.2g} %",
-        "no speed of the leader" if pace is None else f"{100.0 * pace:.0f} % of the leader's speed",
-        "no spacing" if added is None else f"{1e3 * added:.0f} mm more spacing",
+        "not even a leader at rest" if pace is None else f"{100.0 * pace:.0f} % of the leader's speed",
+        "no wider spacing" if added is None else f"{1e3 * added:.0f} mm more spacing",
     ))  # fmt: skip
 
 
@@ -135,8 +141,8 @@ def _everywhere(certificate: Certificate, law: Law) -> str:
     """From every start in Lambda, at any time."""
     verdict = certificate.everywhere
     if law == Law.SUPER_TWISTING:
-        return "over all of Omega: nothing bounds how fast its disturbance changes"
+        return "not guaranteed: Omega does not bound how fast the disturbance changes"
     if max(verdict.rho) == inf:
-        return "over all of Omega: no bound, for it reaches the leader"
-    word = "guaranteed" if verdict.holds else "not guaranteed"
-    return f"over all of Omega {word}: {_rho(verdict, law)}{_told(verdict)}"
+        return "not guaranteed: Omega reaches the leader, where rho has no bound"
+    told = f"{_rho(verdict, law)}{_told(verdict)}"
+    return f"{_word(verdict)} from every start in Lambda, at any time: {told}"
