@@ -132,7 +132,7 @@ def _needs(needs: Needs) -> str:
     return ", ".join((
         gains,
         "no model error" if error is None else f"model errors of {100.0 * error:.2g} %",
-        "not even a leader at rest" if pace is None else f"{100.0 * pace:.0f} % of the leader's speed",
+        "not even a leader at rest" if pace is None else f"{100.0 * pace:.0f} % of its speed",
         "no wider spacing" if added is None else f"{1e3 * added:.0f} mm more spacing",
     ))  # fmt: skip
 
