@@ -27,7 +27,7 @@ def certificate_findings(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
     """
     made = make_certificates(scenario, setup)
     for certified in made.pairs:
-        yield from _of_pair(certified, setup)
+        yield from _of_pair(certified, setup, " between the plan's jumps" * bool(made.jumps.size))
     if made.jumps.size:
         yield _jumps(made)
 
@@ -56,7 +56,7 @@ def _jumps(made: Certificates) -> Finding:
     return Finding("smooth plan", False, detail, binding=False)
 
 
-def _of_pair(certified: Certified, setup: Setup) -> Iterator[Finding]:
+def _of_pair(certified: Certified, setup: Setup, between: str) -> Iterator[Finding]:
     robot, certificate = certified.pair.follower, certified.certificate
     if certificate is None:
         yield Finding(f"certificate {robot}", False, certified.trouble, binding=False)
@@ -72,8 +72,8 @@ def _of_pair(certified: Certified, setup: Setup) -> Iterator[Finding]:
         binding=planned and gains.law != Law.SUPER_TWISTING,
     )
     for topic, verdict, detail in (
-        ("certificate", certificate.run, _run(certificate, gains.law)),
-        ("all of omega", certificate.everywhere, _everywhere(certificate, gains.law)),
+        ("certificate", certificate.run, _run(certificate, gains.law, between)),
+        ("all of omega", certificate.everywhere, _everywhere(certificate, gains.law, between)),
     ):
         yield Finding(f"{topic} {robot}", verdict.holds, detail, binding=False)
 
@@ -87,11 +87,11 @@ def _omega(certificate: Certificate) -> str:
     )
 
 
-def _run(certificate: Certificate, law: Law) -> str:
+def _run(certificate: Certificate, law: Law, between: str) -> str:
     """From this start."""
     error, push = certificate.doubt.model_error, certificate.doubt.push
     told = (
-        f"{_word(certificate.run)} from this start with model errors of {100.0 * error:.3g} % "
+        f"{_word(certificate.run, between)} from this start with model errors of {100.0 * error:.3g} % "
         f"(delta {1.0 - error:.2f}, delta' {1.0 + error:.2f}) and pushes of {push:.2f} m/s^2: "
         f"{_rho(certificate.run, law)}{_told(certificate.run)}"
     )
@@ -100,8 +100,8 @@ def _run(certificate: Certificate, law: Law) -> str:
     return f"{told}; each alone would do: {_needs(certificate.needs)}"
 
 
-def _word(verdict: Verdict) -> str:
-    return "guaranteed" if verdict.holds else "not guaranteed"
+def _word(verdict: Verdict, between: str) -> str:
+    return f"guaranteed{between}" if verdict.holds else "not guaranteed"
 
 
 def _rho(verdict: Verdict, law: Law) -> str:
@@ -137,7 +137,7 @@ def _needs(needs: Needs) -> str:
     ))  # fmt: skip
 
 
-def _everywhere(certificate: Certificate, law: Law) -> str:
+def _everywhere(certificate: Certificate, law: Law, between: str) -> str:
     """From every start in Lambda, at any time."""
     verdict = certificate.everywhere
     if law == Law.SUPER_TWISTING:
@@ -145,4 +145,4 @@ def _everywhere(certificate: Certificate, law: Law) -> str:
     if max(verdict.rho) == inf:
         return "not guaranteed: Omega reaches the leader, where rho has no bound"
     told = f"{_rho(verdict, law)}{_told(verdict)}"
-    return f"{_word(verdict)} from every start in Lambda, at any time: {told}"
+    return f"{_word(verdict, between)} from every start in Lambda, at any time: {told}"
