@@ -6,26 +6,25 @@ from math import degrees, inf
 from control.conditions import Needs
 from control.gains import Certificate, Verdict
 from control.laws import Law, is_first_order
-from pipeline.certificates import Certificates, Certified, make_certificates
+from pipeline.certificates import Certificates, Certified, make_certificates, start_states
 from pipeline.config import Scenario
 from pipeline.finding import Finding
 from pipeline.setup import Setup
 
 
-def certificate_findings(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
+def certificate_findings(made: Certificates, setup: Setup) -> Iterator[Finding]:
     """What is guaranteed of every follower, what is not, and what would be needed.
 
     Only gains that do not even do for exact robots on the plan fail a check; what is not
     guaranteed under model errors and pushes is told.
 
     Args:
-        scenario: with the robots' starts.
-        setup: made from it.
+        made: the certificates.
+        setup: gains and formation.
 
     Yields:
         Up to four findings a follower, and one for a plan whose velocities jump.
     """
-    made = make_certificates(scenario, setup)
     for certified in made.pairs:
         yield from _of_pair(certified, setup, " between the plan's jumps" * bool(made.jumps.size))
     if made.jumps.size:
@@ -42,7 +41,7 @@ def broken_gains(scenario: Scenario, setup: Setup) -> tuple[str, ...]:
     Returns:
         One line for every follower whose gains would fail a check.
     """
-    found = certificate_findings(scenario, setup)
+    found = certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup)
     return tuple(f"{f.topic}: {f.detail}" for f in found if f.binding and not f.holds)
 
 
@@ -91,8 +90,8 @@ def _run(certificate: Certificate, law: Law, between: str) -> str:
     """From this start."""
     error, push = certificate.doubt.model_error, certificate.doubt.push
     told = (
-        f"{_word(certificate.run, between)} from this start with model errors of {100.0 * error:.3g} % "
-        f"(delta {1.0 - error:.2f}, delta' {1.0 + error:.2f}) and pushes of {push:.2f} m/s^2: "
+        f"{_word(certificate.run, between)} from this start, model errors of {100.0 * error:.3g} % "
+        f"(delta {1.0 - error:.2f}, delta' {1.0 + error:.2f}), pushes of {push:.2f} m/s^2: "
         f"{_rho(certificate.run, law)}{_told(certificate.run)}"
     )
     if certificate.needs is None:

@@ -1,5 +1,6 @@
 """Certificates of a scenario's followers: its plan, starts and gains, put into `control.gains`."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import radians
 
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from control.course import Motion, PairCourse, ideal_follower, jumps, pair_course, planned_motion
 from control.errors import ControlError
-from control.formation import Pair
+from control.formation import Pair, by_follower
 from control.gains import Certificate, certify
 from control.geometry import Pose2D, wrap_angle
 from control.relative import RelativeState, Vector2, relative_rates, relative_state
@@ -26,7 +27,7 @@ class Certified:
 
     Attributes:
         pair: who follows whom.
-        course: what the pair goes through, from its start in the scenario, else in the shape.
+        course: what the pair goes through.
         certificate: None where there is none.
         trouble: why there is none.
     """
@@ -42,7 +43,7 @@ class Certificates:
     """All pairs of a formation.
 
     Attributes:
-        pairs: leaders first.
+        pairs: one for every follower, leaders first.
         jumps: (3, J) of the plan's velocities: when, v, omega [s, m/s, rad/s].
     """
 
@@ -50,12 +51,13 @@ class Certificates:
     jumps: NDArray[np.float64]
 
 
-def make_certificates(scenario: Scenario, setup: Setup) -> Certificates:
-    """Certificates of all followers, for the scenario's plan and starts.
+def make_certificates(setup: Setup, starts: Mapping[RobotId, UnicycleState]) -> Certificates:
+    """Certificates of all followers on the leader's plan.
 
     Args:
-        scenario: with the robots' starts.
-        setup: made from it.
+        setup: formation, plan and gains.
+        starts: states when the mission starts; a pair of which one is not known starts in its
+            shape.
 
     Returns:
         The certificates; a follower is taken to slide ideally where others follow it.
@@ -63,20 +65,29 @@ def make_certificates(scenario: Scenario, setup: Setup) -> Certificates:
     times = np.arange(0.0, min(setup.duration, LONGEST) + 1.5 * STEP, STEP)
     planned = planned_motion(setup.path.at(t) for t in times.tolist())
     motions: dict[RobotId, Motion] = {setup.formation.root: planned}
-    states, made = _start_states(scenario, setup), []
-    for pair in setup.formation.pairs:
-        if pair.leader not in motions:
-            made.append(Certified(pair, trouble=f"none for its leader, robot {pair.leader}"))
+    made = []
+    for robot, pairs in by_follower(setup.formation.pairs).items():
+        if len(pairs) > 1 or pairs[0].leader not in motions:
+            why = "it follows two robots" if len(pairs) > 1 else "there is none for its leader"
+            made.append(Certified(pairs[0], trouble=f"no certificate: {why}"))
             continue
-        certified, motion = _certified(setup, pair, times, motions[pair.leader], states)
+        certified, motion = _certified(setup, pairs[0], times, motions[pairs[0].leader], starts)
         made.append(certified)
         if motion is not None:
-            motions[pair.follower] = motion
+            motions[robot] = motion
     return Certificates(tuple(made), jumps(planned, times))
 
 
-def _start_states(scenario: Scenario, setup: Setup) -> dict[RobotId, UnicycleState]:
-    """Where robots will be, and how they will move, when the mission starts."""
+def start_states(scenario: Scenario, setup: Setup) -> dict[RobotId, UnicycleState]:
+    """Where robots will be, and how they will move, when the mission starts.
+
+    Args:
+        scenario: says where they stand at first.
+        setup: made from it.
+
+    Returns:
+        States of the robots whose start is given; they drive on while they are watched.
+    """
     states = {}
     for robot in scenario.robots:
         if robot.start is not None:
@@ -92,7 +103,7 @@ def _certified(
     pair: Pair,
     times: NDArray[np.float64],
     leader: Motion,
-    states: dict[RobotId, UnicycleState],
+    states: Mapping[RobotId, UnicycleState],
 ) -> tuple[Certified, Motion | None]:
     """A pair's certificate, and how its follower moves."""
     gains, d = setup.gains[pair.follower], setup.follower.camera_offset

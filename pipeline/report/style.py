@@ -1,6 +1,7 @@
 """How all figures look: one palette, safe for colour-blind readers, and few lines."""
 
 from contextlib import AbstractContextManager
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,12 +58,13 @@ def house_style() -> AbstractContextManager[None]:
     return rc_context(_SETTINGS)
 
 
-def new_figure(height: float, rows: int = 1) -> "tuple[Figure, list[Axes]]":
-    """Begin a figure with a column of plots that share the horizontal axis.
+def new_figure(height: float, rows: int = 1, columns: int = 1) -> "tuple[Figure, list[Axes]]":
+    """Begin a figure with plots; those of a single column share the horizontal axis.
 
     Args:
         height: of the figure, 7.4 inches wide [inch].
-        rows: number of plots.
+        rows: number of plots in a column.
+        columns: number of plots in a row.
 
     Returns:
         The figure and its plots.
@@ -72,8 +74,22 @@ def new_figure(height: float, rows: int = 1) -> "tuple[Figure, list[Axes]]":
 
     figure = Figure(figsize=(7.4, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, 1, sharex=True, squeeze=False)
+    axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False)
     return figure, list(np.ravel(axes))
+
+
+def png_of(figure: "Figure") -> bytes:
+    """A figure as a file.
+
+    Args:
+        figure: finished.
+
+    Returns:
+        A PNG without the library's version, so that the same figure gives the same bytes.
+    """
+    data = BytesIO()
+    figure.savefig(data, format="png", metadata={"Software": None})
+    return data.getvalue()
 
 
 def draw_marks(axes: "Axes", marks: Marks, text: bool) -> None:
