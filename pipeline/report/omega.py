@@ -52,8 +52,8 @@ def omega_sets(made: Certificates, setup: Setup, runs: Mapping[RobotId, Floats])
     if not drawn:
         say_empty(plots[0], "no follower has a certificate")
         return figure
-    labelled = (zip(*axes.get_legend_handles_labels(), strict=True) for axes in plots)
-    legend = {name: handle for pairs in labelled for handle, name in pairs}
+    labelled = (zip(*axes.get_legend_handles_labels(), strict=True) for axes in reversed(plots))
+    legend = {name: handle for pairs in labelled for handle, name in pairs}  # the first plot's win
     figure.legend(legend.values(), legend.keys(), ncols=6, loc="outside lower center")
     return figure
 
