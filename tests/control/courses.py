@@ -41,6 +41,16 @@ def moments(draw: st.DrawFn) -> tuple[PairCourse, Reach]:
     return PairCourse(np.array([0.0, 0.01]), leader, _twice(wanted), _twice(error)), reach
 
 
+def still(
+    bearing: float = LEFT, leader: tuple[float, ...] = (0.0,) * 4, bearing_rate: float = 0.0
+) -> PairCourse:
+    """One moment (twice) of a pair in its place, 0.5 m behind a leader's twist and acceleration."""
+    nothing = _twice(np.zeros((3, 2)))
+    wanted = _twice(np.array([(0.5, bearing), (0.0, bearing_rate), (0.0, 0.0)]))
+    motion = _twice(np.array(leader))
+    return PairCourse(np.array([0.0, 0.01]), Motion(motion[:2], motion[2:]), wanted, nothing)
+
+
 def slow_pair(
     model_error: float, law: Law = Law.IMPLICIT_TWISTING, mu: float = 20.0, nu: float = 4.0
 ) -> tuple[PairCourse, SlidingGains]:

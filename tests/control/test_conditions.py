@@ -18,6 +18,7 @@ from tests.control.courses import slow_pair
 
 D = 0.05
 LOW, HIGH, RHO = 0.8, 1.2, 3.0
+SECOND_ORDER = [Law.SAMPLED_TWISTING, Law.SUBOPTIMAL]
 
 
 def plain(rho: float, l: float = 1.0) -> Demands:  # noqa: E741 (the paper's l)
@@ -52,7 +53,7 @@ def worst_swing(law: Law, gains: TwistingGains) -> float:
     return abs(s)
 
 
-@pytest.mark.parametrize("law", [Law.SAMPLED_TWISTING, Law.SUBOPTIMAL])
+@pytest.mark.parametrize("law", SECOND_ORDER)
 @pytest.mark.parametrize(("share", "shrinks"), [(1.03, True), (0.97, False)])
 def test_mu_is_sharp(law: Law, share: float, shrinks: bool) -> None:
     nu = 5.0
@@ -80,12 +81,13 @@ def test_the_paper_s_form_is_met_where_channels_do_not_disturb_each_other() -> N
 
 
 @given(st.floats(0.1, 20.0), st.floats(0.3, 3.0), st.floats(0.0, 0.12), st.floats(0.0, 1.0),
-       st.sampled_from([Law.SAMPLED_TWISTING, Law.SUBOPTIMAL]))  # fmt: skip
+       st.sampled_from([15.0, 50.0]), st.sampled_from(SECOND_ORDER))  # fmt: skip
 def test_least_gains_and_greatest_error_are_edges(
     rho: float,
     l: float,  # noqa: E741 (the paper's l)
     error: float,
     push: float,
+    nu: float,
     law: Law,
 ) -> None:
     demand, doubt = plain(rho, l), Doubt(error, push)
@@ -98,7 +100,7 @@ def test_least_gains_and_greatest_error_are_edges(
         assert needs is not None
         return needs
 
-    given_gains = SlidingGains(law, twisting=TwistingGains(60.0, 15.0))
+    given_gains = SlidingGains(law, twisting=TwistingGains(60.0, nu))
     least = ask(given_gains).gains
     if least is None:  # then more does not help
         assert not holds(SlidingGains(law, twisting=TwistingGains(1e7, 1e6)), doubt)

@@ -48,11 +48,11 @@ def test_accelerations_are_rates_of_the_velocities() -> None:
 
 def test_jumps_are_where_curvature_jumps() -> None:
     path = PlannedPath(
-        Pose2D(0.0, 0.0, 0.0), (PathSegment(1.0), PathSegment(1.0, 2.5)), 0.5, 0.0, 1.0
+        Pose2D(0.0, 0.0, 0.0), (PathSegment(1.0025), PathSegment(1.0, 2.5)), 0.5, 0.0, 1.0
     )
     times = np.arange(0.0, 4.0, 0.01)
     found = jumps(planned_motion(path.at(t) for t in times.tolist()), times)
-    assert found == pytest.approx(np.array([[2.5], [0.0], [1.25]]), abs=0.011)
+    assert found == pytest.approx(np.array([[2.51], [0.0], [1.25]]), abs=1e-6)
 
 
 def test_a_path_into_the_leader_is_refused() -> None:

@@ -114,6 +114,9 @@ def test_the_paper_s_gains_do_for_exact_robots_and_no_further() -> None:
     everywhere = certificate_of(second, SlidingGains()).everywhere
     assert isinf(everywhere.rho[0])
     assert not everywhere.holds
+    first_order = certificate_of(second, SlidingGains(Law.FIRST_ORDER_SIGN))
+    assert first_order.run.holds
+    assert not first_order.everywhere.holds
 
 
 def test_the_steady_turn_by_hand() -> None:
