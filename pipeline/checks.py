@@ -13,6 +13,8 @@ from control.geometry import Pose2D, wrap_angle
 from control.laws import Law
 from control.placement import wanted_pose
 from control.unicycle import UnicycleState
+from pipeline.certificate_findings import certificate_findings
+from pipeline.certificates import make_certificates, start_states
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.finding import Finding
@@ -46,6 +48,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
     return (
         _formation(setup),
         *_gains(scenario, setup),
+        *certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup),
         *_plan(scenario, setup),
         *_seeing(scenario, setup.seeing),
         _radio(scenario),
