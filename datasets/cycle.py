@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from control.command import Command, RobotId
 from control.formation import ShapeReference
-from control.leader import PlannedMotion
+from control.plan import PlannedMotion
 from control.relative import RelativeState
 from control.unicycle import UnicycleState
 from vision.frame import Frame

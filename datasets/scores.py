@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from control.formation import Pair
 from control.geometry import Pose2D, wrap_angle
-from control.leader import PlannedPath
+from control.plan import PlannedPath
 from control.relative import relative_state
 from datasets.bodies import pair_gaps
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.formation import Formation
-from control.leader import PlannedPath
+from control.plan import PlannedPath
 from datasets.cycle import Moment, RobotState, SafetyEvent
 from datasets.scores import (
     FollowerScore,

@@ -13,7 +13,8 @@ from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
-from control.leader import LeaderGains, PathSegment, PlannedPath
+from control.leader import LeaderGains
+from control.plan import PathSegment, PlannedPath
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from control.command import Command, RobotId
 from control.formation import Pair
-from control.leader import LeaderMemory, PlannedMotion, begin_leader, leader_step
+from control.leader import LeaderMemory, begin_leader, leader_step
+from control.plan import PlannedMotion
 from control.relative import RelativeRates, Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
 from control.unicycle import Twist

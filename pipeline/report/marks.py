@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from control.command import RobotId
-from control.leader import PlannedPath
+from control.plan import PlannedPath
 from pipeline.report.series import Floats, Series
 from pipeline.setup import Setup
 from pipeline.viewers.stage import name_of

@@ -22,14 +22,8 @@ from control.estimation import (
 )
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D, wrap_angle
-from control.leader import (
-    LeaderGains,
-    LeaderMemory,
-    PathSegment,
-    PlannedPath,
-    begin_leader,
-    leader_step,
-)
+from control.leader import LeaderGains, LeaderMemory, begin_leader, leader_step
+from control.plan import PathSegment, Plan, PlannedPath
 from control.relative import relative_state
 from control.sliding import (
     FollowerMemory,
@@ -50,7 +44,7 @@ class Case:
     """One closed-loop run; times in seconds, noise in metres and radians."""
 
     formation: Formation
-    path: PlannedPath
+    path: Plan
     start: dict[RobotId, Pose2D]
     seconds: float = 8.0
     fps: float = 30.0

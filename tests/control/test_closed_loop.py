@@ -11,7 +11,7 @@ import pytest
 
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
-from control.leader import PathSegment, PlannedPath
+from control.plan import PathSegment, PlannedPath
 from tests.control.small_world import Case, SmallWorld, Trace, gains, paper_case
 
 SEEDS = (0, 1, 2)

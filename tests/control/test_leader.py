@@ -10,13 +10,8 @@ from hypothesis import strategies as st
 from control.actuation import Actuation, DriveGain
 from control.errors import ControlError
 from control.geometry import Pose2D
-from control.leader import (
-    LeaderGains,
-    PathSegment,
-    PlannedPath,
-    begin_leader,
-    leader_step,
-)
+from control.leader import LeaderGains, begin_leader, leader_step
+from control.plan import PathSegment, PlannedPath
 from control.unicycle import Twist, UnicycleState, advance_lagged
 
 ARC = PathSegment(pi * 0.4, 2.5)

@@ -13,7 +13,7 @@ import numpy as np
 from control.command import Command
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D, wrap_angle
-from control.leader import PathSegment, PlannedPath
+from control.plan import PathSegment, PlannedPath
 from control.relative import relative_state
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, PairState, RobotState, SafetyEvent, Tick, Timing

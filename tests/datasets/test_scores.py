@@ -9,7 +9,7 @@ import pytest
 from control.command import Command
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
-from control.leader import PathSegment, PlannedPath
+from control.plan import PathSegment, PlannedPath
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import settled_at
