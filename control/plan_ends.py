@@ -6,7 +6,7 @@ its pace; a faster one by P.
 """
 
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, sqrt
 
 import numpy as np
 
@@ -15,7 +15,72 @@ from control.plan_problem import End
 from control.plan_request import REST, PlanRequest
 from control.spline_plan import SplinePlan
 
+_LONGEST_RAMP = 1.0 / 3.0  # of the duration
+_CRUISE = 0.95  # of the greatest speed, at which the way between short ramps is driven
+_STEEPEST = 1.7  # over the mean slope: the steepest point of a ramp, and a little
 _BY_LAW = 0.5  # up to this S' an acceleration at the start is one of S', beyond one of P
+
+
+@dataclass(frozen=True, slots=True)
+class Pacing:
+    """How a way is spread over a duration.
+
+    Attributes:
+        ramp: duration of the ramps at both ends [s].
+        pace: of the curve between them [m/s].
+    """
+
+    ramp: float
+    pace: float
+
+
+def pacing(request: PlanRequest, speed: float, duration: float, way: float) -> Pacing:
+    """Long ramps where there is time, as long as the limits allow where there is not.
+
+    Args:
+        request: its goal's speed and limits.
+        speed: at the start [m/s].
+        duration: of the plan [s].
+        way: its length, roughly [m].
+
+    Returns:
+        Ramps and pace.
+    """
+    mean, v, a = way / duration, greatest_speed(request), request.limits.v_rate
+    lost = sum(max(0.0, 1.0 - end / mean) for end in (speed, request.goal_speed))
+    ramp = _LONGEST_RAMP * duration
+    if lost > 0.0:
+        spare = 2.0 / lost * (duration - way / (_CRUISE * v))
+        ramp = min(ramp, max(spare, _STEEPEST * mean / a))
+    return Pacing(ramp, way / (duration - 0.5 * lost * ramp))
+
+
+def least_duration(request: PlanRequest, way: float) -> float:
+    """Time for a way at full speed, with full acceleration at its ends.
+
+    Args:
+        request: speeds at the ends, and limits.
+        way: its length [m].
+
+    Returns:
+        The time [s].
+    """
+    a, ends = request.limits.v_rate, (request.start.v, request.goal_speed)
+    v = min(greatest_speed(request), max(sqrt(way * a), *ends))
+    return way / v + sum((v - end) ** 2 / (2.0 * a * v) for end in ends)
+
+
+def greatest_speed(request: PlanRequest) -> float:
+    """The least of all limits on a speed: of the leader, its followers and their wheels.
+
+    Args:
+        request: limits and places.
+
+    Returns:
+        The speed [m/s].
+    """
+    wheels = [min(place.speed_limit, place.wheel_speed) for place in request.places]
+    return min([request.limits.v, *wheels])
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from control.flatness import Shape, follower_rows, leader_rows, shape, shape_gradient
 from control.motion_model import Array
 from control.plan_frame import directions_seen_from, seen_from
-from control.plan_problem import Mesh, Space
+from control.plan_problem import Mesh, Space, read_only
 from control.plan_request import FollowerPlace, PlanRequest
 
 _LEAST = 1e-9  # of distances, which have no direction at 0 [m]
@@ -36,7 +36,7 @@ class Scale:
 
 @dataclass(frozen=True, slots=True)
 class Room:
-    """Obstacles and borders in the frame of a curve, inflated by the clearance.
+    """Obstacles and borders in the frame of a curve, inflated by the clearance; read-only.
 
     Attributes:
         centers: (k, 2) of the obstacles at the start [m].
@@ -51,6 +51,9 @@ class Room:
     reaches: Array
     normals: Array
     borders: Array
+
+    def __post_init__(self) -> None:
+        read_only(self.centers, self.velocities, self.reaches, self.normals, self.borders)
 
     def apart(self, position: Array, t: Array) -> Array:
         """From the obstacles to the leader.
@@ -68,7 +71,7 @@ class Room:
 
 @dataclass(frozen=True, slots=True)
 class Constraints:
-    """All shares of a request on a mesh, as functions of the variables of a space.
+    """All shares of a request on a mesh, as functions of the variables of a space; read-only.
 
     Attributes:
         names: one a row, in the order of the shares.
@@ -87,6 +90,9 @@ class Constraints:
     mesh: Mesh
     constant: Array
     linear: Array
+
+    def __post_init__(self) -> None:
+        read_only(self.constant, self.linear)
 
     @property
     def distances(self) -> NDArray[np.bool_]:

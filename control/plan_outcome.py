@@ -1,5 +1,7 @@
 """What comes of a search: a plan with its margins, or which constraint fails, where, how much."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from control.errors import ControlError
@@ -23,28 +25,38 @@ def finished(attempt: Attempt) -> SplinePlan:
     return SplinePlan(points, task.law, request.resolution, heading, request.t_start, shares, gaps)
 
 
-def failure(attempt: Attempt) -> ControlError:
+def failure(tried: Sequence[Attempt]) -> ControlError:
     """Why there is no plan.
 
     Args:
-        attempt: the one that exceeds the constraints least.
+        tried: all attempts, at least one.
 
     Returns:
-        An error that names the worst constraint, where it fails, by how much, and a remedy.
+        An error that names the worst constraint of the attempt that exceeds its constraints
+        least: where it fails, by how much, and a remedy.
     """
+    attempt = min(tried, key=lambda other: other.excess)
     task, c = attempt.task, attempt.task.constraints
     row, at = np.unravel_index(int(attempt.shares.argmax()), attempt.shares.shape)
-    name, share = c.names[row], float(attempt.shares[row, at])
     x, y = on_floor(task.request.start.pose, attempt.positions)[:, at]
-    much = f"needs {share:.3g} times its limit"
-    if name == "pace":
-        much = "falls to nothing: the way turns back on itself"
-    if c.distances[row]:
-        much = f"lacks {c.scale.length * (share - 1.0):.2g} m"
+    durations = sorted(other.task.law.duration for other in tried)
+    span = f"{durations[0]:.3g} s"
+    if len(tried) > 1:
+        span += f" to {durations[-1]:.3g} s, at best in {task.law.duration:.3g} s"
     return ControlError(
-        f"no plan in {task.law.duration:.3g} s: {name} {much} at t = "
-        f"{task.request.t_start + c.mesh.t[at]:.3g} s, ({x:.2f}, {y:.2f}) m; {_remedy(name)}"
+        f"no plan in {span}: {c.names[row]} {_lack(attempt, int(row), int(at))} at t = "
+        f"{task.request.t_start + c.mesh.t[at]:.3g} s, ({x:.2f}, {y:.2f}) m; "
+        f"{_remedy(c.names[row])}"
     )
+
+
+def _lack(attempt: Attempt, row: int, at: int) -> str:
+    c, share = attempt.task.constraints, float(attempt.shares[row, at])
+    if row == 0:
+        return "falls to nothing where the way turns back on itself"
+    if c.distances[row]:
+        return f"lacks {c.scale.length * (share - 1.0):.2g} m"
+    return f"needs {share:.3g} times its limit"
 
 
 def _remedy(name: str) -> str:

@@ -1,6 +1,7 @@
 """The planner's problem on a mesh: variables without equations, cost, constraints, Jacobians."""
 
 from dataclasses import dataclass
+from math import cos, sin
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -11,6 +12,16 @@ from control.plan_request import Resolution
 from control.time_law import TimeLaw
 
 
+def read_only(*arrays: Array) -> None:
+    """Keep values from being changed.
+
+    Args:
+        *arrays: to lock.
+    """
+    for array in arrays:
+        array.flags.writeable = False
+
+
 @dataclass(frozen=True, slots=True)
 class End:
     """What is fixed where a curve starts or ends.
@@ -18,31 +29,34 @@ class End:
     Attributes:
         position: [m, m].
         heading: direction of the first derivative [rad].
-        pace: |P'|; None leaves it open [m/s].
+        pace: |P'|, > 0 [m/s].
         rush: P'' along the heading; None leaves it open [m/s^2].
         bend: P'' to the left of the heading [m/s^2].
     """
 
     position: tuple[float, float]
     heading: float
-    pace: float | None = None
+    pace: float
     rush: float | None = None
     bend: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
 class Mesh:
-    """Times, and what the spline's basis is there.
+    """Times, and what the spline's basis is there; read-only.
 
     Attributes:
         t: (n,) from 0 to the duration [s].
         law: (4, n) S and its derivatives.
-        basis: (4, n, c) basis functions and their derivatives for S; read-only.
+        basis: (4, n, c) basis functions and their derivatives for S.
     """
 
     t: Array
     law: Array
     basis: Array
+
+    def __post_init__(self) -> None:
+        read_only(self.t, self.law, self.basis)
 
 
 def knots(law: TimeLaw, resolution: Resolution) -> Array:
@@ -86,11 +100,16 @@ class Space:
         best: (2, c) control points of the cheapest curve that only the ends constrain [m].
         directions: (2, c, m) of the free variables w.
         least: cost of the best curve.
+
+    Both arrays are read-only.
     """
 
     best: Array
     directions: Array
     least: float
+
+    def __post_init__(self) -> None:
+        read_only(self.best, self.directions)
 
     def curve(self, w: Array) -> Array:
         """Control points.
@@ -164,21 +183,24 @@ def _cost(fine: Mesh) -> Array:
 
 def _equations(fine: Mesh, ends: tuple[End, End]) -> tuple[Array, Array]:
     """Rows and values of what the ends fix, on x and y of the control points."""
-    rows: list[Array] = []
-    values: list[float] = []
+    both = zip(ends, (0, -1), strict=True)
+    fixed = [row for end, at in both for row in _fixed(end, fine.basis[:3, at])]
+    return np.array([row for row, _ in fixed]), np.array([value for _, value in fixed])
 
-    def fix(basis: Array, direction: tuple[float, float], value: float | None) -> None:
-        if value is not None:
-            rows.append(np.concatenate((direction[0] * basis, direction[1] * basis)))
-            values.append(value)
 
-    for end, at in zip(ends, (0, -1), strict=True):
-        c, s = float(np.cos(end.heading)), float(np.sin(end.heading))
-        place, first, second = fine.basis[:3, at]
-        fix(place, (1.0, 0.0), end.position[0])
-        fix(place, (0.0, 1.0), end.position[1])
-        fix(first, (-s, c), 0.0)
-        fix(first, (c, s), end.pace)
-        fix(second, (-s, c), end.bend)
-        fix(second, (c, s), end.rush)
-    return np.array(rows), np.array(values)
+def _fixed(end: End, basis: Array) -> list[tuple[Array, float]]:
+    place, first, second = basis
+    c, s = cos(end.heading), sin(end.heading)
+    wanted = (
+        (place, (1.0, 0.0), end.position[0]),
+        (place, (0.0, 1.0), end.position[1]),
+        (first, (-s, c), 0.0),
+        (first, (c, s), end.pace),
+        (second, (-s, c), end.bend),
+        (second, (c, s), end.rush),
+    )
+    return [
+        (np.concatenate((dx * row, dy * row)), value)
+        for row, (dx, dy), value in wanted
+        if value is not None
+    ]

@@ -29,7 +29,7 @@ class LeaderLimits:
         omega_rate: angular acceleration, > 0 [rad/s^2].
 
     Raises:
-        ControlError: if a limit is not positive.
+        ControlError: if a limit is not finite and positive.
     """
 
     v: float = 1.0
@@ -38,8 +38,9 @@ class LeaderLimits:
     omega_rate: float = 30.0
 
     def __post_init__(self) -> None:
-        if not min(self.v, self.omega, self.v_rate, self.omega_rate) > 0.0:
-            raise ControlError(f"the leader's limits must all be > 0, got {self}")
+        limits = (self.v, self.omega, self.v_rate, self.omega_rate)
+        if not all(0.0 < limit < inf for limit in limits):
+            raise ControlError(f"the leader's limits must be finite and > 0, got {self}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +72,7 @@ class FollowerPlace:
     def __post_init__(self) -> None:
         require_finite("place of a follower", self.x, self.y, self.track_width)
         limits = (self.speed_limit, self.turn_limit, self.wheel_speed)
-        if not (min(limits) > 0.0 and self.track_width >= 0.0):
+        if not (all(limit > 0.0 for limit in limits) and self.track_width >= 0.0):
             raise ControlError(f"limits of a follower must be > 0, its track >= 0 m, got {self}")
 
 
@@ -80,9 +81,9 @@ class Resolution:
     """How finely a plan is described and checked.
 
     Attributes:
-        control_points: of the spline, at least 2 (degree + 1) / 2 + 2, so 8 for degree 5.
+        control_points: of the spline, at least 8 and degree + 3.
         degree: of the spline, at least 4: its third derivative is continuous.
-        nodes: times at which the constraints are collocated, at least 2 a control point.
+        nodes: times at which the constraints are collocated, at least 2 per control point.
 
     Raises:
         ControlError: if a number is too small.
@@ -124,7 +125,7 @@ class PlanRequest:
         resolution: of the spline and its nodes.
 
     Raises:
-        ControlError: if a number is not usable, or start or goal can be no part of any plan.
+        ControlError: if a number is not usable, or the start is none that a plan can have.
     """
 
     start: UnicycleState
@@ -147,8 +148,6 @@ class PlanRequest:
         require_finite("clearance and time of a plan", self.clearance, self.t_start)
         _require_sizes(self)
         _require_drivable(self)
-        _require_room(self, "start", s.x, s.y)
-        _require_room(self, "goal", g.x, g.y)
 
 
 def _require_sizes(request: PlanRequest) -> None:
@@ -171,7 +170,7 @@ def _require_drivable(request: PlanRequest) -> None:
             f"plans drive forwards, got {start.v:g} m/s at the start and "
             f"{request.goal_speed:g} m/s at the goal; stop or turn round first"
         )
-    if start.v < REST and (start.omega != 0.0 or v_rate < 0.0):
+    if start.v < REST and (abs(start.omega) > _ROUNDING or v_rate < 0.0):
         raise ControlError(
             f"a plan from a standstill starts with omega 0 and v_rate >= 0, got "
             f"{start.omega:g} rad/s and {v_rate:g} m/s^2; plan from the planned state, not the seen"
@@ -186,18 +185,29 @@ def _require_drivable(request: PlanRequest) -> None:
             raise ControlError(f"{what}: {has:g} is beyond the leader's limit of {most:g}")
 
 
-def _require_room(request: PlanRequest, what: str, x: float, y: float) -> None:
-    """At the start all obstacles count, at the goal those that stay where they are."""
-    for obstacle in request.obstacles:
-        free = obstacle.distance(x, y, 0.0) - request.clearance
-        if free < -_ROUNDING and (what == "start" or obstacle.vx == obstacle.vy == 0.0):
+def require_room(request: PlanRequest) -> None:
+    """Refuse a task whose start or goal no plan can reach, before one is searched.
+
+    At the start all obstacles count, at the goal those that stay where they are.
+
+    Args:
+        request: start, goal, clearance, obstacles and arena.
+
+    Raises:
+        ControlError: if there is no room for the clearance; it says where and how much is missing.
+    """
+    for what, at in (("start", request.start.pose), ("goal", request.goal)):
+        for obstacle in request.obstacles:
+            free = obstacle.distance(at.x, at.y, 0.0) - request.clearance
+            stays = what == "start" or obstacle.vx == obstacle.vy == 0.0
+            if free < -_ROUNDING and stays:
+                raise ControlError(
+                    f"the {what} ({at.x:g}, {at.y:g}) m is {-free:.3g} m too close to the obstacle "
+                    f"at ({obstacle.x:g}, {obstacle.y:g}) m; move it or use a smaller formation"
+                )
+        free = request.arena.distance(at.x, at.y) - request.clearance if request.arena else 0.0
+        if free < -_ROUNDING:
             raise ControlError(
-                f"the {what} ({x:g}, {y:g}) m is {-free:.3g} m too close to the obstacle at "
-                f"({obstacle.x:g}, {obstacle.y:g}) m; move it or use a smaller formation"
+                f"the {what} ({at.x:g}, {at.y:g}) m with its clearance reaches {-free:.3g} m out "
+                "of the arena; move it, enlarge the arena or use a smaller formation"
             )
-    free = request.arena.distance(x, y) - request.clearance if request.arena else 0.0
-    if free < -_ROUNDING:
-        raise ControlError(
-            f"the {what} ({x:g}, {y:g}) m with its clearance reaches {-free:.3g} m out of the "
-            "arena; move it, enlarge the arena or use a smaller formation"
-        )

@@ -10,7 +10,7 @@ from scipy.optimize import minimize
 from control.detours import detours
 from control.motion_model import Array
 from control.plan_limits import Constraints, Scale, constraints
-from control.plan_problem import End, Space, mesh, space
+from control.plan_problem import End, Space, mesh, read_only, space
 from control.plan_request import PlanRequest
 from control.time_law import TimeLaw
 
@@ -75,7 +75,7 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """What a search ended with.
+    """What a search ended with; read-only.
 
     Attributes:
         task: what was searched.
@@ -88,6 +88,9 @@ class Attempt:
     w: Array
     shares: Array
     excess: float
+
+    def __post_init__(self) -> None:
+        read_only(self.w, self.shares)
 
     @property
     def keeps(self) -> bool:

@@ -12,7 +12,7 @@ straight ahead, so that its followers' headings agree with the leader's there.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from math import hypot, inf, isclose
+from math import cos, hypot, inf, isclose
 
 import numpy as np
 
@@ -23,18 +23,26 @@ from control.geometry import Pose2D, compose, inverse
 from control.motion_model import Array
 from control.obstacles import Obstacle
 from control.plan import PlannedPath
-from control.plan_ends import arrival, departure, departure_from
+from control.plan_ends import (
+    arrival,
+    departure,
+    departure_from,
+    greatest_speed,
+    least_duration,
+    pacing,
+)
 from control.plan_frame import seen_from
 from control.plan_outcome import failure, finished
-from control.plan_request import REST, SHORTEST_WAY, PlanRequest
+from control.plan_request import SHORTEST_WAY, PlanRequest, require_room
 from control.plan_search import FINER, Attempt, Task, prepare, search, solve
 from control.spline_plan import SplinePlan
-from control.time_law import RAMP_SHARE, ramps
+from control.time_law import ramps
+from control.unicycle import UnicycleState
 
 DURATIONS = (1.15, 1.4, 1.75, 2.2, 2.8, 3.6, 5.0)
 """What is tried if no duration is asked for, over the least that the leader's limits allow."""
 
-STRETCHES = (1.0, 1.25, 1.6, 2.2, 3.0)
+STRETCHES = (1.0, 1.35, 2.0)
 """What is tried when replanning, over what is left of the old plan."""
 
 _EASY = 3  # of DURATIONS, the one that is tried first
@@ -56,10 +64,11 @@ def plan(request: PlanRequest) -> SplinePlan:
     Raises:
         ControlError: if no plan was found: which constraint fails, where, by how much, a remedy.
     """
+    require_room(request)
     ways = _ways(request)
     if request.duration is not None:
         return finished(_first([_fresh(request, request.duration, ways)]))
-    least = _least_duration(request, length(ways[0]))
+    least = least_duration(request, length(ways[0]))
     times = [factor * least for factor in DURATIONS]
     found = _first(_fresh(request, time, ways) for time in times[_EASY:])
     if found.task.law.duration == times[_EASY]:
@@ -72,7 +81,7 @@ def replan(old: SplinePlan, t: float, request: PlanRequest) -> SplinePlan:
 
     The old way is tried first, and kept on its side of every obstacle if that does; else all
     sides are tried. Without a duration it takes what is left of the old plan, or longer if it
-    must. After the old plan's end it is a fresh plan; within 1 mm of its goal the old plan stays.
+    must. At the goal and behind it the old plan stays, or for another goal a fresh one is made.
 
     Args:
         old: the plan so far.
@@ -89,13 +98,13 @@ def replan(old: SplinePlan, t: float, request: PlanRequest) -> SplinePlan:
     since = t - old.t_start
     if not 0.0 <= since < inf:
         raise ControlError(f"a plan that starts at {old.t_start:g} s cannot be left at {t:g} s")
-    start, end = old.at(t).state, old.at(old.t_start + old.duration).state
-    goal, left = request.goal, old.duration - since
-    if hypot(goal.x - end.x, goal.y - end.y, goal.x - start.x, goal.y - start.y) < SHORTEST_WAY:
+    left, start = old.duration - since, old.at(t).state
+    if _arrives(old, request.goal) and (left <= 0.0 or _apart(request.goal, start) < SHORTEST_WAY):
         return old
     if left <= 0.0:
         return plan(replace(request, start=start, v_rate=0.0, t_start=t))
     request = replace(request, start=start, v_rate=None, t_start=t)
+    require_room(request)
     times = [left * stretch for stretch in STRETCHES]
     if request.duration is not None:
         times = [request.duration]
@@ -120,13 +129,7 @@ def is_clear(plan: SplinePlan, t: float, obstacles: Iterable[Obstacle], clearanc
     require_finite("time and clearance", t, clearance)
     end = plan.t_start + plan.duration
     times = np.linspace(t, max(t, end), FINER * (plan.resolution.nodes - 1) + 1)
-    since = np.clip(times - plan.t_start, 0.0, plan.duration)
-    x, y = plan.derivatives(plan.law.at(since)[0])[0]
-    if t > end:
-        state = plan.at(t).state
-        x, y = np.array([state.x]), np.array([state.y])
-        times = np.array([t])
-    places = list(zip(x.tolist(), y.tolist(), (times - t).tolist(), strict=True))
+    places = np.array([*plan.positions(times), times - t]).T.tolist()
     return all(o.distance(*place) >= clearance for o in obstacles for place in places)
 
 
@@ -137,40 +140,30 @@ def _first(attempts: Iterable[Attempt]) -> Attempt:
         if attempt.keeps:
             return attempt
         tried.append(attempt)
-    raise failure(min(tried, key=lambda attempt: attempt.excess))
+    raise failure(tried)
+
+
+def _arrives(old: SplinePlan, goal: Pose2D) -> bool:
+    end = old.at(old.t_start + old.duration).state
+    return _apart(goal, end) < SHORTEST_WAY and cos(goal.theta - end.theta) > 1.0 - 1e-6
+
+
+def _apart(goal: Pose2D, state: UnicycleState) -> float:
+    return hypot(goal.x - state.x, goal.y - state.y)
 
 
 def _ways(request: PlanRequest) -> tuple[PlannedPath, ...]:
-    """Ways by arcs on which no follower need drive backwards, the shortest first."""
+    """Ways by arcs wide enough for followers to drive forwards, the shortest first."""
     reach = max((hypot(place.x, place.y) for place in request.places), default=0.0)
-    radius = max(reach, _greatest_speed(request) / request.limits.omega)
+    radius = max(reach, greatest_speed(request) / request.limits.omega)
     goal = compose(inverse(request.start.pose), request.goal)
     return arc_ways(Pose2D(0.0, 0.0, 0.0), goal, radius)
 
 
-def _greatest_speed(request: PlanRequest) -> float:
-    wheels = [min(place.speed_limit, place.wheel_speed) for place in request.places]
-    return min([request.limits.v, *wheels])
-
-
-def _stands(request: PlanRequest) -> int:
-    """How many of the ends are standstills."""
-    return (request.start.v < REST) + (request.goal_speed < REST)
-
-
-def _least_duration(request: PlanRequest, way: float) -> float:
-    """Time for a way at full speed, with full acceleration from and to a standstill [s]."""
-    v, a, ends = _greatest_speed(request), request.limits.v_rate, _stands(request)
-    ramps_alone = ends * v**2 / (2.0 * a)  # their length
-    if way > ramps_alone:
-        return way / v + 0.5 * ends * v / a
-    return float((2.0 * ends * way / a) ** 0.5)
-
-
 def _fresh_task(request: PlanRequest, duration: float, way: float) -> Task:
-    pace = way / (duration * (1.0 - 0.5 * RAMP_SHARE * _stands(request)))
-    origin, (last, end) = departure(request, pace), arrival(request, pace)
-    law = ramps(duration, origin.share, origin.slope, last)
+    spread = pacing(request, request.start.v, duration, way)
+    origin, (last, end) = departure(request, spread.pace), arrival(request, spread.pace)
+    law = ramps(duration, spread.ramp, origin.share, origin.slope, last)
     return prepare(request, law, (origin.end, end), way)
 
 
@@ -198,26 +191,30 @@ def _shortened(found: Attempt, way: float, times: list[float]) -> Attempt:
 
 def _renewed(request: PlanRequest, old: SplinePlan, since: float, duration: float) -> Attempt:
     """The old way in a duration; if it does not do, a search that starts from it."""
-    origin, rest = departure_from(old, since), old.law.rest(since)
     s0, s1 = old.law.at(np.array([since, old.duration]))[0]
-    way, pace = _length_between(old, s0, s1)
-    if duration != rest.duration:
-        pace = way / (duration * (1.0 - 0.5 * RAMP_SHARE * (request.goal_speed < REST)))
-    last, end = arrival(request, pace)
-    law = rest
-    if duration != rest.duration or not isclose(last, rest.paces[-1], abs_tol=1e-6):
-        law = ramps(duration, origin.share, origin.slope, last)
-    task = prepare(request, law, (origin.end, end), way)
+    task = _renewed_task(request, old, since, duration)
     on_way = old.derivatives(s0 + task.shares_of_way * (s1 - s0))[0]
     old_way = seen_from(request.start.pose, on_way)
     kept = solve(task, task.guess(old_way))
     if kept.keeps:
         return kept
-    return search(task, ([old_way], *_stages(task, _ways(request))))
+    return search(task, ([old_way], [task.straightest]))
 
 
-def _length_between(plan: SplinePlan, s0: float, s1: float) -> tuple[float, float]:
-    """Length of a piece of a plan's curve [m], and the pace at its end [m/s]."""
-    s = np.linspace(s0, s1, FINER * plan.resolution.nodes)
-    paces = np.hypot(*plan.derivatives(s)[1])
+def _renewed_task(request: PlanRequest, old: SplinePlan, since: float, duration: float) -> Task:
+    """A task that starts as the old plan goes on; in the time it has left, by its own law."""
+    origin, law = departure_from(old, since), old.law.rest(since)
+    way, pace = _left(old, since)
+    last, end = arrival(request, pace)
+    if duration != law.duration or not isclose(last, law.paces[-1], abs_tol=1e-6):
+        spread = pacing(request, request.start.v, duration, way)
+        last, end = arrival(request, spread.pace)
+        law = ramps(duration, spread.ramp, origin.share, origin.slope, last)
+    return prepare(request, law, (origin.end, end), way)
+
+
+def _left(plan: SplinePlan, since: float) -> tuple[float, float]:
+    """Length of the rest of a plan's curve [m], and the pace at its end [m/s]."""
+    s0, s1 = plan.law.at(np.array([since, plan.duration]))[0]
+    paces = np.hypot(*plan.derivatives(np.linspace(s0, s1, FINER * plan.resolution.nodes))[1])
     return float(paces.mean() * (s1 - s0)), float(paces[-1])

@@ -1,7 +1,7 @@
 """A plan that was found: a spline along a time law, with what it leaves of every limit."""
 
 from dataclasses import dataclass, field
-from math import atan2, cos, inf, pi, sin
+from math import atan2, inf, pi
 
 import numpy as np
 from scipy.interpolate import BSpline
@@ -9,7 +9,7 @@ from scipy.interpolate import BSpline
 from control.flatness import leader_rows, shape
 from control.motion_model import Array
 from control.plan import PlannedMotion
-from control.plan_problem import knots
+from control.plan_problem import knots, read_only
 from control.plan_request import Resolution
 from control.time_law import TimeLaw
 from control.unicycle import UnicycleState
@@ -58,7 +58,7 @@ class SplinePlan:
     _headings: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        self.control_points.flags.writeable = False
+        read_only(self.control_points)
         breaks = knots(self.law, self.resolution)
         curve = BSpline(breaks, self.control_points, self.resolution.degree)
         object.__setattr__(self, "_curves", tuple(curve.derivative(i) for i in range(4)))
@@ -87,18 +87,25 @@ class SplinePlan:
         Returns:
             Wanted state and accelerations; v >= 0, the heading is not wrapped.
         """
-        since = t - self.t_start
-        late = max(since - self.duration, 0.0)
-        law = self.law.at(np.array([min(max(since, 0.0), self.duration)]))
-        p, *rates = self.derivatives(law[0])[:, :, 0].tolist()
-        v, omega, v_rate, omega_rate = leader_rows(shape(*np.array(rates)[:, :, None]), law)[
-            :, 0, 0
-        ]
-        theta = self._unwrapped(atan2(rates[0][1], rates[0][0]), float(law[0, 0]))
-        if since > self.duration:
+        law, (p, p1, p2, p3) = self._along(np.array([t]))
+        v, omega, v_rate, omega_rate = leader_rows(shape(p1, p2, p3), law)[:, 0, 0].tolist()
+        if t > self.t_start + self.duration:
             omega, v_rate, omega_rate = 0.0, 0.0, 0.0
-        x, y = p[0] + late * v * cos(theta), p[1] + late * v * sin(theta)
+        x, y = p[:, 0].tolist()
+        theta = self._unwrapped(atan2(p1[1, 0], p1[0, 0]), float(law[0, 0]))
         return PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
+
+    def positions(self, t: Array) -> Array:
+        """Wanted positions at many times.
+
+        Args:
+            t: (n,) times on the mission's clock [s].
+
+        Returns:
+            (2, n) positions on the floor [m].
+        """
+        positions: Array = self._along(t)[1][0]
+        return positions
 
     def derivatives(self, s: Array) -> Array:
         """The curve and its derivatives for S.
@@ -110,6 +117,14 @@ class SplinePlan:
             (4, 2, n): P, P', P'', P''' [m, m/s, m/s^2, m/s^3].
         """
         return np.array([curve(s).T for curve in self._curves])
+
+    def _along(self, t: Array) -> tuple[Array, Array]:
+        """(4, n) S and (4, 2, n) the curve, with derivatives; straight on behind the end."""
+        since = t - self.t_start
+        law = self.law.at(np.clip(since, 0.0, self.duration))
+        curve = self.derivatives(law[0])
+        curve[0] += np.maximum(since - self.duration, 0.0) * law[1] * curve[1]
+        return law, curve
 
     def _unwrapped(self, heading: float, s: float) -> float:
         """The heading with the turns that the curve has made so far."""

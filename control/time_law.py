@@ -11,9 +11,6 @@ from scipy.interpolate import CubicHermiteSpline, PPoly
 
 from control.motion_model import Array
 
-RAMP_SHARE = 1.0 / 3.0
-"""Part of a plan's duration in which it comes from, or goes to, a slower pace."""
-
 
 @dataclass(frozen=True, slots=True)
 class TimeLaw:
@@ -48,7 +45,8 @@ class TimeLaw:
         Returns:
             (4, n): S, S', S'', S''' [s, 1, 1/s, 1/s^2].
         """
-        return np.array([self._way(t, order) for order in range(4)])
+        s, pace, slope, bend = (self._way(t, order) for order in range(4))
+        return np.array([s, np.maximum(pace, 0.0), slope, bend])  # a standstill is exactly 0
 
     def rest(self, t: float) -> "TimeLaw":
         """What is left of the law after a time, on a clock of its own.
@@ -68,21 +66,20 @@ class TimeLaw:
         )
 
 
-def ramps(duration: float, first: float, slope: float, last: float) -> TimeLaw:
+def ramps(duration: float, ramp: float, first: float, slope: float, last: float) -> TimeLaw:
     """A law that leaves one pace, holds the curve's own, and ends in another one.
 
     Args:
         duration: > 0 [s].
+        ramp: duration of the first and of the last ramp, less than half of it all [s].
         first: S' at the start, 0 to 1 [1].
         slope: S'' at the start [1/s].
         last: S' at the end, 0 to 1 [1].
 
     Returns:
-        The law; its first ramp is as short as the slope needs to stay within 0 and 1.
+        The law; its first ramp is shortened where the slope would lead it beyond 0 or 1.
     """
-    ramp = RAMP_SHARE * duration
     room = 3.0 * (1.0 - first if slope > 0.0 else first)  # of a monotone cubic
-    if abs(slope) * ramp > room:
-        ramp = room / abs(slope)
-    times = (0.0, ramp, (1.0 - RAMP_SHARE) * duration, duration)
+    start = ramp if abs(slope) * ramp <= room else room / abs(slope)
+    times = (0.0, start, duration - ramp, duration)
     return TimeLaw(times, (first, 1.0, 1.0, last), (slope, 0.0, 0.0, 0.0))
