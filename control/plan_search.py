@@ -144,7 +144,7 @@ def search(task: Task, stages: Iterable[Iterable[Array]]) -> Attempt:
     attempts: list[Attempt] = []
     c = task.constraints
     for ways in stages:
-        round_obstacles = (r for way in ways for r in detours(way, c.mesh.t[::FINER], c.around))
+        round_obstacles = (r for way in ways for r in [way])
         for guess in sorted(map(task.guess, round_obstacles), key=lambda w: float(w @ w)):
             best = min(attempts, key=_rank, default=None)
             if best and best.keeps and float(guess @ guess) > _HOPELESS * best.cost:
