@@ -6,8 +6,10 @@ from math import exp, isfinite
 from control.errors import ControlError
 from control.relative import Vector2
 from control.unicycle import SpeedLimits, Twist
+from control.value import value
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class DriveGain:
     """Velocities a robot reaches per velocity commanded: 1 + Delta_k of (3) through its motors.
@@ -25,6 +27,7 @@ NOMINAL_GAIN = DriveGain()
 """A robot that does as it is told."""
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class Actuation:
     """What is known of a robot's motors, and what may be asked of them.

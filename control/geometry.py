@@ -3,7 +3,11 @@
 from dataclasses import dataclass
 from math import cos, pi, sin
 
+from control.compilable import compilable
+from control.value import value
 
+
+@compilable
 def wrap_angle(angle: float) -> float:
     """Wrap an angle [rad] to (-pi, pi].
 
@@ -16,6 +20,7 @@ def wrap_angle(angle: float) -> float:
     return pi - (pi - angle) % (2.0 * pi)
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class Pose2D:
     """Position [m] and heading [rad] on the floor; equation (1) of the paper.
@@ -31,6 +36,7 @@ class Pose2D:
     theta: float
 
 
+@compilable
 def compose(T_a_b: Pose2D, T_b_c: Pose2D) -> Pose2D:
     """Chain two transforms.
 
@@ -49,6 +55,7 @@ def compose(T_a_b: Pose2D, T_b_c: Pose2D) -> Pose2D:
     )
 
 
+@compilable
 def inverse(T_a_b: Pose2D) -> Pose2D:
     """Invert a transform.
 

@@ -6,6 +6,7 @@ from typing import Protocol
 from control.errors import ControlError
 from control.geometry import Pose2D
 from control.unicycle import Twist, UnicycleState, advance_pose
+from control.value import value
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,6 +22,7 @@ class PathSegment:
     curvature: float = 0.0
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class PlannedMotion:
     """Wanted motion of the leader at one moment.

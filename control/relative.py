@@ -13,13 +13,16 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin
 from typing import TypeAlias
 
+from control.compilable import compilable
 from control.geometry import Pose2D, wrap_angle
 from control.unicycle import Twist
+from control.value import value
 
 Vector2: TypeAlias = tuple[float, float]
 Matrix2: TypeAlias = tuple[Vector2, Vector2]
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class RelativeState:
     """Relative configuration of a follower, equations (6) and (7).
@@ -35,6 +38,7 @@ class RelativeState:
     heading: float
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class RelativeRates:
     """Time derivatives of a relative state.
@@ -50,6 +54,7 @@ class RelativeRates:
     heading: float
 
 
+@compilable
 def relative_state(leader: Pose2D, follower: Pose2D, camera_offset: float) -> RelativeState:
     """Relative configuration of two robots, equations (6) and (7).
 
@@ -70,6 +75,7 @@ def relative_state(leader: Pose2D, follower: Pose2D, camera_offset: float) -> Re
     )
 
 
+@compilable
 def input_matrix(relative: RelativeState, camera_offset: float) -> Matrix2:
     """G of (8): what the follower's velocities do to h', its accelerations to h''.
 
@@ -86,6 +92,7 @@ def input_matrix(relative: RelativeState, camera_offset: float) -> Matrix2:
     return (c, d * s), (-s / l, d * c / l)
 
 
+@compilable
 def inverse_input_matrix(relative: RelativeState, camera_offset: float) -> Matrix2:
     """Inverse of G, in closed form.
 
@@ -102,6 +109,7 @@ def inverse_input_matrix(relative: RelativeState, camera_offset: float) -> Matri
     return (c, -l * s), (s / d, l * c / d)
 
 
+@compilable
 def leader_matrix(relative: RelativeState) -> Matrix2:
     """E: what the leader's velocities do to h', and its accelerations to h'' (a part of P in (8)).
 
@@ -115,6 +123,7 @@ def leader_matrix(relative: RelativeState) -> Matrix2:
     return (-cos(psi), 0.0), (sin(psi) / relative.distance, -1.0)
 
 
+@compilable
 def relative_rates(
     relative: RelativeState, leader: Twist, follower: Twist, camera_offset: float
 ) -> RelativeRates:
@@ -134,6 +143,7 @@ def relative_rates(
     return RelativeRates(own[0] + lead[0], own[1] + lead[1], leader.omega - follower.omega)
 
 
+@compilable
 def drift(relative: RelativeState, leader: Twist, follower: Twist, camera_offset: float) -> Vector2:
     """F of (8): h'' of two robots that do not accelerate.
 
@@ -157,6 +167,7 @@ def drift(relative: RelativeState, leader: Twist, follower: Twist, camera_offset
     )
 
 
+@compilable
 def own_velocity_terms(follower: Twist, camera_offset: float) -> Vector2:
     """Accelerations that cancel exactly the part of F the follower itself causes.
 
@@ -174,6 +185,7 @@ def own_velocity_terms(follower: Twist, camera_offset: float) -> Vector2:
     return camera_offset * omega * omega, -v * omega / camera_offset
 
 
+@compilable
 def apply(matrix: Matrix2, vector: Vector2) -> Vector2:
     """Product of a 2x2 matrix and a vector, in plain floats (these run at command rate).
 

@@ -1,57 +1,56 @@
-"""The follower's second-order sliding-mode law, equations (24)-(27), as a fold over samples.
+"""The follower's law as a fold over samples: sliding variable, control, command.
 
-It needs the relative configuration (l, psi, theta_ik) and the follower's own velocities; no
-velocity of the leader. Channel 0 is the distance, channel 1 the bearing.
+A second-order law (24)-(27) needs the relative configuration and the follower's own velocities, a
+first-order one (14), (16)-(20) also the leader's. Which one is a name in the gains.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import hypot, inf, sqrt
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
+from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
+from control.compilable import compilable
 from control.errors import ControlError
-from control.formation import ShapeReference
-from control.geometry import wrap_angle
-from control.relative import (
-    RelativeRates,
-    RelativeState,
-    Vector2,
-    apply,
-    input_matrix,
-    inverse_input_matrix,
-    leader_matrix,
-    own_velocity_terms,
-)
-from control.twisting import TwistingGains, twisting_law
+from control.laws import Law, is_first_order
+from control.output import FollowerOutput, WantedOutput, output_error
+from control.reaching import ReachingGains, reach, super_twist
+from control.relative import Vector2, apply
+from control.twisting import TwistingGains, twist
 from control.unicycle import Twist
+from control.value import value
 
-MIN_DISTANCE = 0.05
-"""Distances below this are taken for this in G, which is singular at 0 [m]."""
+_TWISTING, _REACHING = TwistingGains(), ReachingGains()
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class SlidingGains:
-    """Gains of the sliding variable (24) and of the twisting law; the paper's by default.
+    """The law and its gains; K, L, mu and nu of the paper by default.
 
     Attributes:
-        proportional: diagonal of K_k, > 0 [1/s].
-        integral: diagonal of L_k, > 0 [1/s^2].
-        twisting: mu, nu and the horizon.
-        law: name of the twisting law.
+        law: which law.
+        distance: K, L of the first channel.
+        bearing: K, L of the second channel: the bearing, or the distance to a second leader.
+        twisting: mu, nu and the horizon of all implicit laws.
+        reaching: what the first-order laws assume.
 
     Raises:
-        ControlError: if K or L is not positive or the law is unknown.
+        ControlError: if K or L is not positive.
     """
 
-    proportional: Vector2 = (2.0, 2.0)
-    integral: Vector2 = (1.0, 1.0)
-    twisting: TwistingGains = field(default_factory=TwistingGains)
-    law: str = "implicit-twisting"
+    law: Law = Law.IMPLICIT_TWISTING
+    distance: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
+    bearing: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
+    twisting: TwistingGains = _TWISTING
+    reaching: ReachingGains = _REACHING
 
     def __post_init__(self) -> None:
-        twisting_law(self.law)
-        if not min(*self.proportional, *self.integral) > 0.0:
-            raise ControlError(f"K and L must be > 0, got {self.proportional}, {self.integral}")
+        for channel in (self.distance, self.bearing):
+            if not min(channel.proportional, channel.integral) > 0.0:
+                raise ControlError(f"K and L must be > 0, got {channel}")
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class FollowerModel:
     """What the law knows of its robot.
@@ -65,81 +64,73 @@ class FollowerModel:
     """
 
     camera_offset: float = 0.05
-    actuation: Actuation = field(default_factory=Actuation)
+    actuation: Actuation = Actuation()  # noqa: RUF009 (immutable)
 
     def __post_init__(self) -> None:
         if not self.camera_offset > 0.0:
             raise ControlError(f"the camera offset must be > 0 m, got {self.camera_offset} m")
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class FollowerSample:
     """One sample: all at the moment the command will take effect.
 
     Attributes:
-        relative: predicted relative state [m, rad, rad].
+        output: predicted h and what changes it.
+        wanted: h^d.
         own: the follower's predicted velocities [m/s, rad/s].
-        reference: wanted distance and bearing with derivatives.
-        leader_acceleration: forward and angular, if the leader's commands are known (a leader of
-            a cascade is itself a follower); (0, 0) as published [m/s^2, rad/s^2].
         gain: the follower's drive gains.
     """
 
-    relative: RelativeState
+    output: FollowerOutput
+    wanted: WantedOutput
     own: Twist
-    reference: ShapeReference
-    leader_acceleration: Vector2 = (0.0, 0.0)
     gain: DriveGain = NOMINAL_GAIN
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class FollowerMemory:
-    """What the law carries from sample to sample, one entry per channel.
+    """What the law carries from sample to sample.
 
     Attributes:
-        error: e = h^d - h [m, rad].
-        integral: d_bar of (25) [m s, rad s].
-        double_integral: c_bar of (25) [m s^2, rad s^2].
-        sliding: s of (24) [m, rad].
-        applied: v that the saturated command really applied [m/s^2, rad/s^2].
+        distance: of the first channel.
+        bearing: of the second channel.
         acceleration: forward and angular, that the last command gives [m/s^2, rad/s^2].
         fresh: True until the first step.
     """
 
-    error: Vector2
-    integral: Vector2
-    double_integral: Vector2
-    sliding: Vector2
-    applied: Vector2 = (0.0, 0.0)
+    distance: ChannelMemory
+    bearing: ChannelMemory
     acceleration: Vector2 = (0.0, 0.0)
     fresh: bool = True
 
 
+@compilable
 def begin(
-    relative: RelativeState,
-    reference: ShapeReference,
-    gains: SlidingGains,
-    initial_rates: RelativeRates | None = None,
+    output: FollowerOutput, wanted: WantedOutput, rate: Vector2, gains: SlidingGains
 ) -> FollowerMemory:
-    """Memory with s(0) = 0 and s'(0) = 0, equation (25): no reaching phase.
+    """Memory with s(0) = 0, and s'(0) = 0 for the second-order laws: no reaching phase (17), (25).
 
     Args:
-        relative: relative state at the first sample [m, rad, rad].
-        reference: wanted shape at the first sample.
+        output: at the first sample.
+        wanted: at the first sample.
+        rate: h'(0): 0 for robots at rest, else from a differentiator (Remark 5); the first-order
+            laws start from `output.rate` instead.
         gains: K and L.
-        initial_rates: h'(0), from a differentiator; None for robots at rest (Remark 5).
 
     Returns:
         Memory for the step of this same first sample.
     """
-    error = _error(relative, reference)
-    rates = (initial_rates.distance, initial_rates.bearing) if initial_rates else (0.0, 0.0)
-    error_rate = (reference.distance_rate - rates[0], reference.bearing_rate - rates[1])
-    (k1, k2), (l1, l2) = gains.proportional, gains.integral
-    d1 = (-error_rate[0] - k1 * error[0]) / l1
-    d2 = (-error_rate[1] - k2 * error[1]) / l2
-    double = (-error[0] - k1 * d1) / l1, (-error[1] - k2 * d2) / l2
-    return FollowerMemory(error, (d1, d2), double, (0.0, 0.0))
+    e1, e2 = output_error(output, wanted)
+    r1, r2 = output.rate if is_first_order(gains.law) else rate
+    return FollowerMemory(
+        begin_channel(e1, wanted.rate[0] - r1, gains.distance),
+        begin_channel(e2, wanted.rate[1] - r2, gains.bearing),
+        (0.0, 0.0),
+        True,
+    )
 
 
 def follower_step(
@@ -149,13 +140,13 @@ def follower_step(
     gains: SlidingGains,
     model: FollowerModel,
 ) -> tuple[FollowerMemory, Twist]:
-    """One sample of the law: (24), (25), a twisting law for (31), (27), lag inversion.
+    """One sample of the law, refused if a number is no number.
 
     Args:
         memory: from ``begin`` or the step before.
-        sample: predicted configuration and velocities, and the reference.
+        sample: predicted output and velocities, and the wanted output.
         dt: time since the step before, also how long the command will hold, > 0 [s].
-        gains: K, L and the twisting law.
+        gains: law and gains.
         model: camera offset, motor lag, limits.
 
     Returns:
@@ -164,94 +155,137 @@ def follower_step(
     Raises:
         ControlError: if a number of the sample is not finite or dt is not positive.
     """
-    _require_usable(sample, dt)
-    moved = _integrate(memory, _error(sample.relative, sample.reference), dt, gains)
-    v = _twist(memory, moved.sliding, dt, gains)
-    return _act(moved, v, sample, dt, gains, model)
-
-
-def _require_usable(sample: FollowerSample, dt: float) -> None:
-    r, own, h = sample.relative, sample.own, sample.reference
-    require_finite("relative state", r.distance, r.bearing, r.heading)
-    require_finite("own velocities", own.v, own.omega)
-    require_finite("reference", h.distance, h.bearing, h.distance_rate, h.bearing_rate)
-    require_finite(
-        "accelerations of the reference", h.distance_acceleration, h.bearing_acceleration
-    )
-    require_finite("leader's acceleration", *sample.leader_acceleration)
+    o, w = sample.output, sample.wanted
+    require_finite("relative configuration", *o.h, *o.input_matrix[0], *o.input_matrix[1])
+    require_finite("velocities", *o.rate, *o.drift, sample.own.v, sample.own.omega)
+    require_finite("reference", *w.h, *w.rate, *w.acceleration)
+    require_finite("leader's acceleration", *o.push)
     require_finite("drive gains", sample.gain.v, sample.gain.omega)
-    if not 0.0 < dt < float("inf"):
+    if not 0.0 < dt < inf:
         raise ControlError(f"a step of the follower's law needs dt > 0 s, got {dt} s")
+    return follow(memory, sample, dt, gains, model)
 
 
-def _error(relative: RelativeState, reference: ShapeReference) -> Vector2:
-    """e_1 of (11), the bearing wrapped [m, rad]."""
-    return (
-        reference.distance - relative.distance,
-        wrap_angle(reference.bearing - relative.bearing),
-    )
-
-
-def _integrate(
-    memory: FollowerMemory, error: Vector2, dt: float, gains: SlidingGains
-) -> FollowerMemory:
-    """Integrals (25) by trapezoids and the sliding variable (24)."""
-    step = 0.0 if memory.fresh else 0.5 * dt
-    (e1, e2), (d1, d2), (c1, c2) = memory.error, memory.integral, memory.double_integral
-    d = d1 + step * (e1 + error[0]), d2 + step * (e2 + error[1])
-    c = c1 + step * (d1 + d[0]), c2 + step * (d2 + d[1])
-    (k1, k2), (l1, l2) = gains.proportional, gains.integral
-    s = error[0] + k1 * d[0] + l1 * c[0], error[1] + k2 * d[1] + l2 * c[1]
-    return FollowerMemory(error, d, c, s, memory.applied, memory.acceleration, fresh=False)
-
-
-def _twist(memory: FollowerMemory, s: Vector2, dt: float, gains: SlidingGains) -> Vector2:
-    """v of both channels from s, its change, and the rate that s'' = v gives from outputs alone."""
-    law, old, applied = twisting_law(gains.law), memory.sliding, memory.applied
-    change = (0.0, 0.0) if memory.fresh else (s[0] - old[0], s[1] - old[1])
-    rate = change[0] / dt + 0.5 * dt * applied[0], change[1] / dt + 0.5 * dt * applied[1]
-    return (
-        law(s[0], rate[0], change[0], dt, gains.twisting),
-        law(s[1], rate[1], change[1], dt, gains.twisting),
-    )
-
-
-def _act(
+@compilable
+def follow(
     memory: FollowerMemory,
-    v: Vector2,
     sample: FollowerSample,
     dt: float,
     gains: SlidingGains,
     model: FollowerModel,
 ) -> tuple[FollowerMemory, Twist]:
-    """Control (27) with own-velocity terms; v as saturation left it goes into the memory."""
-    relative, d = _away_from_zero(sample.relative), model.camera_offset
-    w1, w2 = _feed_forward(memory.error, relative, sample, gains)
-    o1, o2 = own_velocity_terms(sample.own, d)
-    u1, u2 = apply(inverse_input_matrix(relative, d), (w1 - v[0], w2 - v[1]))  # (27)
-    wanted = u1 + o1, u2 + o2
-    command, given = model.actuation.command(sample.own, wanted, dt, sample.gain)
-    g1, g2 = apply(input_matrix(relative, d), (given[0] - o1, given[1] - o2))
-    m, applied = memory, (w1 - g1, w2 - g2)
-    moved = FollowerMemory(
-        m.error, m.integral, m.double_integral, m.sliding, applied, given, m.fresh
-    )
-    return moved, command
+    """One sample of the law for finite numbers: (14) or (27), then the motors' lag inverted.
+
+    Args:
+        memory: from ``begin`` or the step before.
+        sample: predicted output and velocities, and the wanted output.
+        dt: time since the step before, also how long the command will hold, > 0 [s].
+        gains: law and gains.
+        model: camera offset, motor lag, limits.
+
+    Returns:
+        The memory for the next step and the command within the limits [m/s, rad/s].
+    """
+    o, wanted = sample.output, sample.wanted
+    e = output_error(o, wanted)
+    r = wanted.rate[0] - o.rate[0], wanted.rate[1] - o.rate[1]
+    one, two = _sampled(memory, e, r, dt, gains)
+    w = _feed_forward(o, wanted, e, gains)
+    if is_first_order(gains.law):
+        (v1, own1), (v2, own2) = _first_order(one, two, o, w, e, r, dt, gains)
+    else:
+        v1, own1 = twist(one, dt, gains.twisting, gains.law)
+        v2, own2 = twist(two, dt, gains.twisting, gains.law)
+    u1, u2 = apply(o.inverse, (w[0] - v1, w[1] - v2))  # (14), (27)
+    wanted_u = u1 + o.own[0], u2 + o.own[1]
+    command, given = model.actuation.command(sample.own, wanted_u, dt, sample.gain)
+    g1, g2 = apply(o.input_matrix, (given[0] - o.own[0], given[1] - o.own[1]))
+    one, two = _applied(one, w[0] - g1, own1), _applied(two, w[1] - g2, own2)
+    return FollowerMemory(one, two, given, False), command
 
 
-def _feed_forward(
-    error: Vector2, relative: RelativeState, sample: FollowerSample, gains: SlidingGains
-) -> Vector2:
-    """L e + h^d'' of (27), less what the leader's known acceleration does to h''."""
-    h, l = sample.reference, gains.integral  # noqa: E741 (the paper's L)
-    p1, p2 = apply(leader_matrix(relative), sample.leader_acceleration)
+@compilable
+def _sampled(
+    memory: FollowerMemory, error: Vector2, rate: Vector2, dt: float, gains: SlidingGains
+) -> tuple[ChannelMemory, ChannelMemory]:
+    first_order, step = is_first_order(gains.law), 0.0 if memory.fresh else dt
     return (
-        l[0] * error[0] + h.distance_acceleration - p1,
-        l[1] * error[1] + h.bearing_acceleration - p2,
+        sample_channel(memory.distance, error[0], rate[0], step, gains.distance, first_order),
+        sample_channel(memory.bearing, error[1], rate[1], step, gains.bearing, first_order),
     )
 
 
-def _away_from_zero(relative: RelativeState) -> RelativeState:
-    if relative.distance >= MIN_DISTANCE:
-        return relative
-    return RelativeState(MIN_DISTANCE, relative.bearing, relative.heading)
+@compilable
+def _feed_forward(
+    output: FollowerOutput, wanted: WantedOutput, error: Vector2, gains: SlidingGains
+) -> Vector2:
+    """What G u shall be but for v: h^d'' less the leaders' parts; L e of (27) or F_i of (14)."""
+    a, p = wanted.acceleration, output.push
+    if is_first_order(gains.law):
+        return a[0] - p[0] - output.drift[0], a[1] - p[1] - output.drift[1]
+    l1, l2 = gains.distance.integral, gains.bearing.integral
+    return a[0] - p[0] + l1 * error[0], a[1] - p[1] + l2 * error[1]
+
+
+@compilable
+def _first_order(
+    one: ChannelMemory,
+    two: ChannelMemory,
+    output: FollowerOutput,
+    feed: Vector2,
+    error: Vector2,
+    rate: Vector2,
+    dt: float,
+    gains: SlidingGains,
+) -> tuple[Vector2, Vector2]:
+    """v of (18) and what the law remembers, of both channels."""
+    k1, k2 = gains.distance, gains.bearing
+    f1 = -k1.proportional * rate[0] - k1.integral * error[0]
+    f2 = -k2.proportional * rate[1] - k2.integral * error[1]
+    strength = _strength((feed[0] - f1, feed[1] - f2), output, gains.reaching)
+    d1, own1 = _reach(one, strength, 1.0, dt, gains)
+    d2, own2 = _reach(two, strength, output.size, dt, gains)
+    return (f1 + d1, own1), (f2 + d2, own2)
+
+
+@compilable
+def _strength(nominal: Vector2, output: FollowerOutput, gains: ReachingGains) -> float:
+    """lambda of (20) for the distance; by the size of the second entry for that [m/s^2].
+
+    In metres, bearings times l, G Delta G^-1 is a rotated Delta: its norm is the larger of |eps|
+    and |eps'|. `nominal` is h^d'' - F_i + K e_2 + L e_1, with G own h^d'' - F + K e_2 + L e_1: the
+    proof of Theorem 1 needs this sum, where (20) prints F - h^d'' + K e_2 + L e_1. It also takes
+    the vector Sign(s) for one of length 1; for any s, c = 1 - 2^(1/2) |Delta| is needed.
+    """
+    o1, o2 = apply(output.input_matrix, output.own)
+    size = output.size
+    asked = hypot(nominal[0] + o1, size * (nominal[1] + o2))
+    push_v, push_omega = gains.disturbance
+    (a, b), (c, d) = output.input_matrix
+    pushed = hypot(
+        abs(a) * push_v + abs(b) * push_omega, size * (abs(c) * push_v + abs(d) * push_omega)
+    )
+    rho = gains.model_error * asked + pushed
+    return (rho + gains.margin) / (1.0 - sqrt(2.0) * gains.model_error)  # |Sign| is 2^1/2
+
+
+@compilable
+def _reach(
+    channel: ChannelMemory, strength: float, size: float, dt: float, gains: SlidingGains
+) -> Vector2:
+    """Delta v of a channel, and what the law remembers."""
+    r, horizon = gains.reaching, gains.twisting.horizon
+    if gains.law == Law.SUPER_TWISTING:
+        return super_twist(channel.sliding, channel.own, r.lipschitz / size, max(horizon, dt))
+    v = reach(channel.sliding, strength / size, dt, horizon, r.layer / size, gains.law)
+    return v, 0.0
+
+
+@compilable
+def _applied(channel: ChannelMemory, v: float, own: float) -> ChannelMemory:
+    """The memory with v as saturation left it, and what the law remembers."""
+    m = channel
+    return ChannelMemory(
+        m.error, m.integral, m.double_integral, m.sliding, m.before, m.before_that, v, m.applied,
+        own,
+    )  # fmt: skip

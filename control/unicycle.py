@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 from math import cos, exp, sin
 
+from control.compilable import compilable
 from control.errors import ControlError
 from control.geometry import Pose2D
+from control.value import value
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class Twist:
     """Velocities of a unicycle.
@@ -20,6 +23,7 @@ class Twist:
     omega: float
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class UnicycleState:
     """Pose and velocities, equations (1) and (2).
@@ -49,6 +53,7 @@ class UnicycleState:
         return Twist(self.v, self.omega)
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class WheelSpeeds:
     """Rolling speeds of the two driven wheels.
@@ -62,6 +67,7 @@ class WheelSpeeds:
     right: float
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class SpeedLimits:
     """Greatest speeds that may be commanded, the same in both directions.
@@ -96,6 +102,7 @@ class SpeedLimits:
         )
 
 
+@compilable
 def wheels_from_twist(twist: Twist, track_width: float) -> WheelSpeeds:
     """Wheel speeds of a differential drive that rolls without slip, equation (2).
 
@@ -110,6 +117,7 @@ def wheels_from_twist(twist: Twist, track_width: float) -> WheelSpeeds:
     return WheelSpeeds(twist.v - half, twist.v + half)
 
 
+@compilable
 def twist_from_wheels(wheels: WheelSpeeds, track_width: float) -> Twist:
     """Velocities of a differential drive from its wheel speeds, equation (2).
 
@@ -123,6 +131,7 @@ def twist_from_wheels(wheels: WheelSpeeds, track_width: float) -> Twist:
     return Twist(0.5 * (wheels.left + wheels.right), (wheels.right - wheels.left) / track_width)
 
 
+@compilable
 def advance_pose(pose: Pose2D, twist: Twist, dt: float) -> Pose2D:
     """Drive for a time at constant velocities: the exact solution of (2), an arc.
 
@@ -138,6 +147,7 @@ def advance_pose(pose: Pose2D, twist: Twist, dt: float) -> Pose2D:
     return Pose2D(x, y, theta)
 
 
+@compilable
 def advance_lagged(state: UnicycleState, command: Twist, dt: float, lag: float) -> UnicycleState:
     """Drive for a time under a constant command that the motors follow with a first-order lag.
 
@@ -160,6 +170,7 @@ def advance_lagged(state: UnicycleState, command: Twist, dt: float, lag: float) 
     return UnicycleState(x, y, theta, command.v + dv * decay, command.omega + domega * decay)
 
 
+@compilable
 def _along_arc(
     x: float, y: float, theta: float, way: float, turn: float
 ) -> tuple[float, float, float]:

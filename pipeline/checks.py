@@ -7,6 +7,7 @@ from math import cos, hypot, inf, sin
 import numpy as np
 
 from control.geometry import Pose2D, compose, wrap_angle
+from control.laws import Law
 from control.unicycle import UnicycleState
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
@@ -16,7 +17,7 @@ from pipeline.setup import Setup, is_undriven, make_setup
 from pipeline.tag_checks import check_tags
 
 BODY = 0.075  # side of a robot's body [m]
-SAMPLED_LIMIT = 0.005  # longest period at which twisting as published was seen to work [s]
+LONGEST = {Law.SAMPLED_TWISTING: 0.005, Law.SUBOPTIMAL: 0.010}  # periods seen to work [s]
 MIABOT_LINK, MIABOT_COMMAND = 1150, 12  # bytes a second on a link, bytes of a full command
 GRID = 0.02  # of the walk along the plan [s]
 
@@ -39,7 +40,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         return (Finding("scenario", False, str(error)),)
     return (
         _formation(setup),
-        *_gains(scenario),
+        *_gains(scenario, setup),
         *_plan(scenario, setup),
         *_seeing(scenario, setup.seeing),
         _radio(scenario),
@@ -62,8 +63,8 @@ def _formation(setup: Setup) -> Finding:
     return Finding("formation", True, detail)
 
 
-def _gains(scenario: Scenario) -> Iterator[Finding]:
-    """Poles of the sliding phase (23), and whether the law survives its period."""
+def _gains(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
+    """Poles of the sliding phase (23), and whether the laws survive their period."""
     c = scenario.control
     poles = [
         np.roots([1.0, k, l])
@@ -76,13 +77,23 @@ def _gains(scenario: Scenario) -> Iterator[Finding]:
         f"e'' + K e' + L e = 0 with K = {c.proportional}, L = {c.integral}: "
         f"slowest pole {-slowest:.2f} 1/s, errors fall to 5 % in about {4.7 / slowest:.1f} s",
     )
-    sampled = c.law == "sampled-twisting"
-    yield Finding(
-        "sampling",
-        not sampled or c.command_period_s <= SAMPLED_LIMIT,
-        f"{c.law} every {1e3 * c.command_period_s:g} ms"
-        + (f"; as published it works up to {1e3 * SAMPLED_LIMIT:g} ms only" if sampled else ""),
-    )
+    yield from _sampling(setup, c.command_period_s)
+
+
+def _sampling(setup: Setup, period: float) -> Iterator[Finding]:
+    """Each law that is used, by whom, and whether it survives its period."""
+    followers: dict[Law, list[str]] = {}
+    for pair in setup.formation.pairs:
+        followers.setdefault(setup.gains[pair.follower].law, []).append(str(pair.follower))
+    for law, robots in followers.items():
+        longest = LONGEST.get(law, inf)
+        yield Finding(
+            "sampling",
+            period <= longest,
+            f"{law.title} every {1e3 * period:g} ms for robot{'s' * (len(robots) > 1)} "
+            f"{', '.join(robots)}"
+            + (f"; it was seen to work up to {1e3 * longest:g} ms only" if law in LONGEST else ""),
+        )
 
 
 def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:

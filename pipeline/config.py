@@ -5,8 +5,10 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import AfterValidator, Field, field_validator, model_validator
 
+from control.errors import ControlError
+from control.laws import law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.palette_config import PaletteConfig
 from pipeline.section import (
@@ -27,6 +29,17 @@ PerChannel = tuple[Positive, Positive]
 Identifier = (
     Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
 )
+
+
+def _known_law(name: str) -> str:
+    try:
+        law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
+
+
+LawName = Annotated[str, AfterValidator(_known_law)]
 
 
 class PartConfig(Section):
@@ -91,6 +104,7 @@ class RobotConfig(Section):
     colors: dict[str, str] = Field(default_factory=dict)
     start: StartConfig | None = None
     lag_s: Annotated[float, Field(gt=0, le=1)] = 0.05
+    law: LawName | None = None
     mass_error: SignedFraction = 0.0
     inertia_error: SignedFraction = 0.0
 
@@ -148,15 +162,21 @@ class LeaderConfig(Section):
 
 
 class ControlConfig(Section):
-    """The law of the followers, (24)-(27): proportional K, integral L."""
+    """The followers' law, its gains, and what the first-order laws assume of disturbances."""
 
-    law: Literal["implicit-twisting", "sampled-twisting"] = "implicit-twisting"
+    law: LawName = "implicit-twisting"
     command_period_s: Period = 0.005
     horizon_s: Annotated[float, Field(gt=0, le=1)] | None = None
     mu: Positive = 20.0
     nu: Positive = 4.0
     proportional: PerChannel = (2.0, 2.0)
     integral: PerChannel = (1.0, 1.0)
+    disturbance_mps2: NonNegative = 0.2
+    turn_disturbance_radps2: NonNegative = 2.0
+    model_error: Annotated[float, Field(ge=0, le=0.7)] = 0.15
+    reaching_margin_mps2: Positive = 0.5
+    layer_mps: Positive = 0.05
+    lipschitz_mps3: Positive = 10.0
     camera_offset_m: Positive = 0.05
     leader_commands_known: bool = False
     speed_limit_mps: Positive = 1.5

@@ -6,7 +6,7 @@ from math import degrees
 
 from control.command import RobotId
 from control.differentiator import InitialRate, initial_rate, unwrapped
-from control.relative import RelativeRates, relative_state
+from control.relative import Vector2, relative_state
 from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track
 from pipeline.setup import Setup
@@ -74,7 +74,7 @@ def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
 
 def initial_rates(
     setup: Setup, mission: Mission
-) -> tuple[Mapping[RobotId, RelativeRates], tuple[str, ...]]:
+) -> tuple[Mapping[RobotId, Vector2], tuple[str, ...]]:
     """h'(0) of every pair at the start of the mission (Assumption 5, Remark 5).
 
     Args:
@@ -87,7 +87,7 @@ def initial_rates(
     """
     if not setup.watch_time or len(mission.glimpses) < 3:
         return {}, ()
-    rates: dict[RobotId, RelativeRates] = {}
+    rates: dict[RobotId, Vector2] = {}
     notes: list[str] = []
     times = [glimpse.t for glimpse in mission.glimpses]
     for index, pair in enumerate(setup.formation.pairs):
@@ -95,7 +95,7 @@ def initial_rates(
         bearings = unwrapped([glimpse.bearings[index] for glimpse in mission.glimpses])
         distance = initial_rate(times, distances, JERK)
         bearing = initial_rate(times, bearings, TURN_JERK)
-        rates[pair.follower] = RelativeRates(distance.rate, bearing.rate, 0.0)
+        rates[pair.follower] = distance.rate, bearing.rate
         notes.append(f"robot {pair.follower} starts with {_told(distance, bearing)}")
     return rates, tuple(notes)
 

@@ -8,18 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.actuation import Actuation
+from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
+from control.laws import law_named
 from control.leader import LeaderGains
 from control.plan import PathSegment, PlannedPath
+from control.reaching import ReachingGains
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
-from pipeline.config import FormationConfig, LeaderConfig, PairConfig, Scenario, SegmentConfig
+from pipeline.config import (
+    ControlConfig,
+    FormationConfig,
+    LeaderConfig,
+    PairConfig,
+    Scenario,
+    SegmentConfig,
+)
 from pipeline.errors import ConfigError
 from pipeline.guard import SafetyRules
 from pipeline.seeing import Seeing, make_seeing
@@ -39,7 +49,7 @@ class Setup:
         seeing: finds the robots.
         formation: who follows whom, in which shape.
         path: the leader's plan.
-        gains: of the followers' law.
+        gains: law and gains by follower.
         follower: a follower's geometry and motors.
         leader_gains: of the leader's law.
         leader_commands_known: whether followers are told the accelerations their leaders are
@@ -61,7 +71,7 @@ class Setup:
     seeing: Seeing
     formation: Formation
     path: PlannedPath
-    gains: SlidingGains
+    gains: Mapping[RobotId, SlidingGains]
     follower: FollowerModel
     leader_gains: LeaderGains
     leader_commands_known: bool
@@ -191,10 +201,24 @@ def _pose_noise(scenario: Scenario) -> NDArray[np.float64]:
     return np.diag(np.square((e.pose_std_m, e.pose_std_m, radians(e.heading_std_deg))))
 
 
-def _gains(scenario: Scenario, period: float) -> SlidingGains:
+def _gains(scenario: Scenario, period: float) -> Mapping[RobotId, SlidingGains]:
+    """Law and gains of every robot; a robot's own law comes before the scenario's."""
     c = scenario.control
     horizon = c.horizon_s or (SHORT_HORIZON if period <= SHORT_PERIOD else LONG_HORIZON)
-    return SlidingGains(c.proportional, c.integral, TwistingGains(c.mu, c.nu, horizon), c.law)
+    (k1, k2), (l1, l2) = c.proportional, c.integral
+    channels = ChannelGains(k1, l1), ChannelGains(k2, l2)
+    twisting = TwistingGains(c.mu, c.nu, horizon)
+    return {
+        robot.id: SlidingGains(law_named(robot.law or c.law), *channels, twisting, _reaching(c))
+        for robot in scenario.robots
+    }
+
+
+def _reaching(c: ControlConfig) -> ReachingGains:
+    disturbance = c.disturbance_mps2, c.turn_disturbance_radps2
+    return ReachingGains(
+        c.reaching_margin_mps2, c.model_error, disturbance, c.layer_mps, c.lipschitz_mps3
+    )
 
 
 def _follower(scenario: Scenario) -> FollowerModel:

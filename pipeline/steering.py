@@ -1,13 +1,14 @@
 """From predicted states to twists: the leader's law, then every follower's."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from control.command import Command, RobotId
 from control.formation import Pair
 from control.leader import LeaderMemory, begin_leader, leader_step
+from control.output import LeaderMotion, follower_output, wanted_output
 from control.plan import PlannedMotion
-from control.relative import RelativeRates, Vector2, relative_state
+from control.relative import Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
 from control.unicycle import Twist
 from datasets.cycle import PairState
@@ -32,7 +33,7 @@ class Aim:
     planned: PlannedMotion
     pairs: tuple[PairState, ...]
     shares: Mapping[RobotId, float]
-    rates: Mapping[RobotId, RelativeRates]
+    rates: Mapping[RobotId, Vector2]
 
 
 def relate(
@@ -74,14 +75,32 @@ def steer(
     leader, twist = _lead(setup, laws, aim, tracks[root], dt)
     twists, given = {root: twist}, {root: leader.acceleration if leader else AT_REST}
     followers: dict[RobotId, FollowerMemory] = {}
-    for pair in aim.pairs:
-        robot = pair.follower
-        known = given[pair.leader] if setup.leader_commands_known else AT_REST
-        memory, twists[robot] = _follow(setup, laws, aim, pair, tracks[robot], known, dt)
+    for robot, pairs in by_follower(aim.pairs).items():
+        known = [given[p.leader] if setup.leader_commands_known else AT_REST for p in pairs]
+        motions = [
+            LeaderMotion(tracks[p.leader].ahead.twist, acceleration)
+            for p, acceleration in zip(pairs, known, strict=True)
+        ]
+        memory, twists[robot] = _follow(setup, laws, aim, pairs, tracks[robot], motions, dt)
         given[robot] = memory.acceleration if memory else AT_REST
         if memory is not None:
             followers[robot] = memory
     return Laws(leader, followers), twists
+
+
+def by_follower(pairs: Sequence[PairState]) -> Mapping[RobotId, Sequence[PairState]]:
+    """Group pairs by the robot that follows.
+
+    Args:
+        pairs: leaders first.
+
+    Returns:
+        One or two pairs by follower, in the same order.
+    """
+    groups: dict[RobotId, list[PairState]] = {}
+    for pair in pairs:
+        groups.setdefault(pair.follower, []).append(pair)
+    return groups
 
 
 def commands_of(
@@ -129,22 +148,25 @@ def _follow(
     setup: Setup,
     laws: Laws,
     aim: Aim,
-    pair: PairState,
+    pairs: Sequence[PairState],
     track: Track,
-    leader_acceleration: Vector2,
+    leaders: Sequence[LeaderMotion],
     dt: float,
 ) -> tuple[FollowerMemory | None, Twist]:
     """A follower's sample, from a memory that begins when there is none."""
-    share = aim.shares[pair.follower]
+    robot = pairs[0].follower
+    share = aim.shares[robot]
     if share == 0.0:
         return None, STANDSTILL
-    memory = laws.followers.get(pair.follower)
+    own, gains = track.ahead.twist, setup.gains[robot]
+    relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
+    output = follower_output(relatives, own, leaders, d)
+    wanted = wanted_output([pair.reference for pair in pairs])
+    memory = laws.followers.get(robot)
     if memory is None:
-        rates = aim.rates.get(pair.follower)
-        memory = begin(pair.relative, pair.reference, setup.gains, rates)
-    own, gain = track.ahead.twist, track.estimate.gain
-    sample = FollowerSample(pair.relative, own, pair.reference, leader_acceleration, gain)
-    memory, twist = follower_step(memory, sample, dt, setup.gains, setup.follower)
+        memory = begin(output, wanted, aim.rates.get(robot, AT_REST), gains)
+    sample = FollowerSample(output, wanted, own, track.estimate.gain)
+    memory, twist = follower_step(memory, sample, dt, gains, setup.follower)
     return memory, _scaled(twist, share)
 
 

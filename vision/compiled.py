@@ -1,6 +1,7 @@
 """Functions compiled to machine code: once per machine and version, then kept on disk."""
 
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from shutil import rmtree
@@ -15,14 +16,17 @@ _FREEDOM = {"reassoc", "contract", "nsz"}  # of the compiler; inf and nan keep t
 _HOW: dict[str, Any] = {"cache": True, "error_model": "numpy", "fastmath": _FREEDOM}
 _BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _NAME = "compiled-"
+_ALONE = "vision"  # compiles no function of control along
 _CONFIG: Any = numba.config
+_GIVEN_PLACE = _CONFIG.CACHE_DIR
 
 
 def compiled(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function of numbers and arrays when it is first called.
+    """Compile a function of numbers, arrays and values when it is first called.
 
     The compiler may add up sums in another order, but always in the same: the same input gives the
-    same bits on one machine. Division by zero gives inf or nan, as in numpy.
+    same bits on one machine. Division by zero gives inf or nan, as in numpy. Other threads run on
+    while it runs.
 
     Args:
         function: loops over scalars and arrays, in the subset of Python that numba knows.
@@ -30,8 +34,7 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     Returns:
         The function, compiled.
     """
-    fast: Callable[P, R] = numba.njit(**_HOW)(function)
-    return fast
+    return _kept(function, {"nogil": True})
 
 
 def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
@@ -43,29 +46,36 @@ def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
     Returns:
         The function, compiled.
     """
-    fast: Callable[P, R] = numba.njit(**_BARE, **_HOW)(function)
-    return fast
+    return _kept(function, _BARE)
 
 
-def _keep_by_content() -> None:
-    """Keep machine code under a name that stands for all sources.
+def _kept(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
+    """Compiled with its machine code kept in a folder that stands for all sources of its package.
 
     The compiler itself looks at the caller's file only: code that calls a function changed in
     another file would be taken for up to date.
     """
-    here = Path(__file__).parent
-    sources = b"".join(path.read_bytes() for path in sorted(here.glob("*.py")))
+    _CONFIG.CACHE_DIR = _GIVEN_PLACE or _place(function.__module__.partition(".")[0])
+    fast: Callable[P, R] = numba.njit(**options, **_HOW)(function)
+    _CONFIG.CACHE_DIR = _GIVEN_PLACE
+    return fast
+
+
+@cache
+def _place(package: str) -> str:
+    """Folder for the machine code of a package; "" where nobody may write: numba then finds one."""
+    root = Path(__file__).parents[1]
+    here = root / package
+    laws = () if package == _ALONE else (root / "control").glob("*.py")  # they are compiled along
+    read = sorted({*here.glob("*.py"), *laws})
+    sources = b"".join(path.read_bytes() for path in read)
     folder = here / "__pycache__" / (_NAME + sha256(sources).hexdigest()[:16])
-    if _CONFIG.CACHE_DIR or folder.is_dir():
-        _CONFIG.CACHE_DIR = _CONFIG.CACHE_DIR or str(folder)
-        return
+    if folder.is_dir():
+        return str(folder)
     try:
         for outdated in folder.parent.glob(_NAME + "*"):
             rmtree(outdated, ignore_errors=True)
-        folder.mkdir(parents=True)
-        _CONFIG.CACHE_DIR = str(folder)
+        folder.mkdir(parents=True, exist_ok=True)  # another process may be as far
     except OSError:
-        return  # installed where nobody may write: the compiler finds a place of its own
-
-
-_keep_by_content()
+        return ""
+    return str(folder)

@@ -22,7 +22,9 @@ from control.estimation import (
 )
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D, wrap_angle
+from control.laws import law_named
 from control.leader import LeaderGains, LeaderMemory, begin_leader, leader_step
+from control.output import LeaderMotion, pair_output, wanted_output
 from control.plan import PathSegment, Plan, PlannedPath
 from control.relative import relative_state
 from control.sliding import (
@@ -99,7 +101,7 @@ def paper_case(**changes: object) -> Case:
 
 def gains(horizon: float = 0.05, law: str = "implicit-twisting") -> SlidingGains:
     """The paper's gains with a horizon."""
-    return SlidingGains(twisting=TwistingGains(20.0, 4.0, horizon), law=law)
+    return SlidingGains(law=law_named(law), twisting=TwistingGains(20.0, 4.0, horizon))
 
 
 class SmallWorld:
@@ -198,16 +200,20 @@ class SmallWorld:
 
     def command_follower(self, pair: Pair, te: float) -> None:
         """One follower's law."""
-        own, reference = self.ahead[pair.follower], pair.shape.at(te)
-        relative = relative_state(self.ahead[pair.leader].pose, own.pose, CAMERA_OFFSET)
-        memory = self.followers.get(pair.follower) or begin(relative, reference, self.case.gains)
+        own, leader = self.ahead[pair.follower], self.ahead[pair.leader]
+        relative = relative_state(leader.pose, own.pose, CAMERA_OFFSET)
         known = (0.0, 0.0)
         if self.case.feed_forward:
-            leader = self.followers.get(pair.leader, self.leader)
-            known = leader.acceleration if leader else known
-        sample = FollowerSample(relative, own.twist, reference, known, self.gain(pair.follower))
+            law = self.followers.get(pair.leader, self.leader)
+            known = law.acceleration if law else known
+        motion = LeaderMotion(leader.twist, known)
+        output = pair_output(relative, own.twist, motion, CAMERA_OFFSET)
+        wanted = wanted_output([pair.shape.at(te)])
+        gains = self.case.gains
+        memory = self.followers.get(pair.follower) or begin(output, wanted, (0.0, 0.0), gains)
+        sample = FollowerSample(output, wanted, own.twist, self.gain(pair.follower))
         self.followers[pair.follower], command = follower_step(
-            memory, sample, self.case.tick, self.case.gains, self.follower
+            memory, sample, self.case.tick, gains, self.follower
         )
         self.sent[pair.follower] = self.sent[pair.follower].append(te, command)
 

@@ -37,8 +37,8 @@ def truth_of(moment: Moment, robot: RobotId) -> UnicycleState:
 def test_the_papers_experiment(seed: int) -> None:
     _, result, moments = run_scenario("paper", seed)
     distance, bearing = worst(result)
-    assert distance <= 3.0
-    assert bearing <= 1.5
+    assert distance <= 2.0
+    assert bearing <= 1.2
     assert all(f.settled_at_s is not None and f.settled_at_s <= 5.5 for f in result.followers)
     assert result.vision is not None
     assert result.vision.recall >= 0.999

@@ -1,0 +1,59 @@
+"""The followers' laws by name, and what each needs to know."""
+
+from enum import IntEnum
+
+from control.compilable import compilable
+from control.errors import ControlError
+
+
+class Law(IntEnum):
+    """A follower's law. The second-order ones need the relative configuration alone (Assumption 4);
+    the first-order ones also the velocities of the leader (Assumption 2)."""
+
+    IMPLICIT_TWISTING = 0
+    COMPENSATED_TWISTING = 1
+    SAMPLED_TWISTING = 2
+    SUBOPTIMAL = 3
+    FIRST_ORDER_SIGN = 4
+    FIRST_ORDER_LAYER = 5
+    FIRST_ORDER_IMPLICIT = 6
+    SUPER_TWISTING = 7
+
+    @property
+    def title(self) -> str:
+        """The law's name in scenarios, e.g. "implicit-twisting"."""
+        return self.name.lower().replace("_", "-")
+
+
+LAW_NAMES: tuple[str, ...] = tuple(law.title for law in Law)
+"""Names of all laws, the default first."""
+
+
+@compilable
+def is_first_order(law: Law) -> bool:
+    """Whether a law makes a sliding mode of first order, equation (16), and needs velocities.
+
+    Args:
+        law: a follower's law.
+
+    Returns:
+        False for the laws on (24), which need the relative configuration alone.
+    """
+    return law >= Law.FIRST_ORDER_SIGN
+
+
+def law_named(name: str) -> Law:
+    """Find a law by its name.
+
+    Args:
+        name: one of LAW_NAMES.
+
+    Returns:
+        The law.
+
+    Raises:
+        ControlError: if there is no law of that name.
+    """
+    if name not in LAW_NAMES:
+        raise ControlError(f"no law {name!r}; there are: {', '.join(LAW_NAMES)}")
+    return Law(LAW_NAMES.index(name))
