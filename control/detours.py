@@ -7,16 +7,13 @@ import numpy as np
 
 from control.geometry import Pose2D
 from control.motion_model import Array
+from control.obstacles import Obstacle
 from control.plan import PathSegment, PlannedPath
-from control.plan_limits import Room
-
-MOST_DETOURS = 3
-"""A guess is led round at most so many obstacles, on either side of each."""
 
 _CLOSED = 1e-6  # turns short of a whole one by less are none [rad]
 
 
-def arc_ways(start: Pose2D, goal: Pose2D, radius: float) -> tuple[PlannedPath, ...]:
+def arc_ways(start: Pose2D, goal: Pose2D, radius: float) -> list[PlannedPath]:
     """Ways of an arc, a straight line and an arc (Dubins), at 1 m/s.
 
     Args:
@@ -25,12 +22,11 @@ def arc_ways(start: Pose2D, goal: Pose2D, radius: float) -> tuple[PlannedPath, .
         radius: of the arcs, > 0 [m].
 
     Returns:
-        Up to four ways, the shortest first.
+        Two to four ways, the shortest first.
     """
-    ways = (
-        _arc_way(start, goal, radius, first, last) for first, last in product((1.0, -1.0), repeat=2)
-    )
-    return tuple(sorted((way for way in ways if way is not None), key=length))
+    turns = product((1.0, -1.0), repeat=2)
+    ways = [_arc_way(start, goal, radius, *pair) for pair in turns]
+    return sorted((way for way in ways if way is not None), key=length)
 
 
 def length(way: PlannedPath) -> float:
@@ -55,7 +51,7 @@ def driven(way: PlannedPath, shares: Array) -> Array:
     Returns:
         (2, n) positions [m].
     """
-    states = [way.at(share * length(way)).state for share in shares.tolist()]
+    states = [way.at(share).state for share in (length(way) * shares).tolist()]
     return np.array([(state.x, state.y) for state in states]).T
 
 
@@ -75,49 +71,39 @@ def _arc_way(
     arc, end = (radius * ((turn + _CLOSED) % (2.0 * pi) - _CLOSED) for turn in turns)
     pieces = ((arc, first / radius), (straight, 0.0), (end, last / radius))
     segments = tuple(PathSegment(way, bend) for way, bend in pieces if way > 0.0)
-    return PlannedPath(start, segments, 1.0, 1.0) if segments else None
+    return PlannedPath(start, segments, 1.0, 1.0)
 
 
-def detours(points: Array, t: Array, around: Room) -> list[Array]:
+def detours(way: Array, t: Array, obstacles: tuple[Obstacle, ...], most: int = 3) -> list[Array]:
     """Ways that pass every obstacle in the way on its left or on its right.
 
     Args:
-        points: (2, n) a way that minds no obstacle [m].
+        way: (2, n) that minds no obstacle [m].
         t: (n,) times along it [s].
-        around: obstacles, inflated.
+        obstacles: inflated by the clearance.
+        most: obstacles that are minded, the deepest in the way first.
 
     Returns:
         (2, n) each; the way itself if it is free.
     """
-    done: list[Array] = []
-    open_ways: list[tuple[Array, frozenset[int]]] = [(points, frozenset())]
-    while open_ways:
-        way, passed = open_ways.pop()
-        block = _deepest(way, t, around, passed) if len(passed) < MOST_DETOURS else None
-        if block is None:
-            done.append(way)
-        else:
-            aside = [_aside(way, t, around, block, side) for side in (1.0, -1.0)]
-            open_ways += [(other, passed | {block}) for other in aside]
-    return done
+    depths = [o.radius - float(np.hypot(*o.apart(way, t)).min()) for o in obstacles]
+    if most == 0 or max(depths, default=0.0) <= 0.0:
+        return [way]
+    block = obstacles[depths.index(max(depths))]
+    others = tuple(o for o in obstacles if o is not block)
+    asides = (_aside(way, t, block, side) for side in (1.0, -1.0))
+    return [found for aside in asides for found in detours(aside, t, others, most - 1)]
 
 
-def _deepest(way: Array, t: Array, around: Room, passed: frozenset[int]) -> int | None:
-    """The obstacle that a way cuts into deepest, without those already led round."""
-    depth = around.reaches - np.hypot(*around.apart(way, t).transpose(1, 0, 2)).min(axis=1)
-    depth[list(passed)] = -1.0
-    return int(depth.argmax()) if (depth > 0.0).any() else None
-
-
-def _aside(way: Array, t: Array, around: Room, block: int, side: float) -> Array:
-    """A way pushed to one side of an obstacle, as seen from the obstacle; +1 to the left of it."""
-    apart, reach = around.apart(way, t)[block], around.reaches[block]
+def _aside(way: Array, t: Array, block: Obstacle, side: float) -> Array:
+    """A way pushed to one side of an obstacle, as the obstacle sees it pass; +1 to the left."""
+    apart = block.apart(way, t)
     nearest = int(np.hypot(*apart).argmin())
     before, after = max(nearest - 1, 0), min(nearest + 1, len(t) - 1)
     drift = (apart[:, after] - apart[:, before]) / (t[after] - t[before])
-    speed = float(np.hypot(*drift))
-    normal = side * np.array([-drift[1], drift[0]]) / max(speed, 1e-9)
-    push = 1.1 * reach - float(normal @ apart[:, nearest])
-    bump = np.exp(-0.5 * ((t - t[nearest]) * speed / reach) ** 2)
+    speed = max(float(np.hypot(*drift)), 1e-9)
+    normal = side * np.array([-drift[1], drift[0]]) / speed
+    push = 1.1 * block.radius - float(normal @ apart[:, nearest])
+    bump = np.exp(-0.5 * ((t - t[nearest]) * speed / block.radius) ** 2)
     pushed: Array = way + push * bump * normal[:, None]
     return pushed

@@ -1,141 +1,112 @@
-"""The unicycle is flat in (x, y): its motion, and its followers', from a curve and a time law.
+"""The unicycle is flat in (x, y): its motion, and its followers', from a curve.
 
-Of the curve P(sigma): pace u = |P'|, its rate a = u', curvature kappa = (P' x P'')/u^3 and its
-rate k = kappa'. With sigma = S(t) these four shape numbers give every velocity without dividing
-by the speed, so a robot at rest is no exception:
+Along P(S), with e = P'/|P'| and a x b = a_x b_y - a_y b_x, the leader drives
 
-    v = S' u          v'     = S'^2 a + S'' u
-    omega = kappa v   omega' = S'^2 u k + kappa v'
+    u = |P'|           u' = e . P''                         per S
+    w = (e x P'')/u    w' = (e x P''' - 2 w u')/u
 
-A point (x, y) rigid in the leader's frame has the speed v m, m^2 = (1 - kappa y)^2 + (kappa x)^2,
-and its direction turns at S' (u kappa + x k/m^2): what its follower has to drive.
+and with S(t) in time v = S' u, omega = S' w, v' = S'^2 u' + S'' u, omega' = S'^2 w' + S'' w: a
+robot at rest, S' = 0, is no exception.
+
+A point (x, y) that is rigid in the leader's frame moves with (u - w y, w x) in that frame. Its
+speed is m, the length of that; its direction turns at w + x (u w' - w u')/m^2. In time both
+take a factor S'. That is what its follower has to drive.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from control.motion_model import Array
-from control.plan_request import FollowerPlace
 
-_LEAST = 1e-6  # of u [m/s] and m [1]: below it the shape is not defined
-
-
-@dataclass(frozen=True, slots=True)
-class Shape:
-    """The four shape numbers of a curve at n places.
-
-    Attributes:
-        u: (n,) pace along the curve [m/s].
-        a: (n,) its derivative [m/s^2].
-        kappa: (n,) curvature, positive to the left [1/m].
-        k: (n,) its derivative [1/(m s)].
-    """
-
-    u: Array
-    a: Array
-    kappa: Array
-    k: Array
+_LEAST = 1e-9  # speeds count for at least that: directions need one [m/s]
 
 
-def shape(p1: Array, p2: Array, p3: Array) -> Shape:
-    """Shape numbers from the derivatives of a curve.
+def motion(p1: Array, p2: Array, p3: Array) -> Array:
+    """Velocities and accelerations along a curve, per S.
 
     Args:
-        p1: (2, n) first derivative [m/s].
+        p1: (2, n) first derivative, not 0 [m/s].
         p2: (2, n) second derivative [m/s^2].
         p3: (2, n) third derivative [m/s^3].
 
     Returns:
-        The four numbers at each place.
+        (4, n): u, w, u', w' [m/s, rad/s, m/s^2, rad/s^2].
     """
-    u = np.maximum(np.hypot(p1[0], p1[1]), _LEAST)
-    a = (p1[0] * p2[0] + p1[1] * p2[1]) / u
-    kappa = (p1[0] * p2[1] - p1[1] * p2[0]) / u**3
-    return Shape(u, a, kappa, (p1[0] * p3[1] - p1[1] * p3[0]) / u**3 - 3.0 * kappa * a / u)
+    u = np.maximum(np.hypot(*p1), _LEAST)
+    e = p1 / u
+    u1, w = (e * p2).sum(axis=0), _cross(e, p2) / u
+    return np.array([u, w, u1, (_cross(e, p3) - 2.0 * w * u1) / u])
 
 
-def shape_gradient(p1: Array, p2: Array, p3: Array, at: Shape) -> Array:
-    """Derivatives of the four shape numbers for those of the curve.
+def motion_gradient(p1: Array, p2: Array, p3: Array) -> Array:
+    """Derivatives of ``motion`` for the derivatives of the curve.
 
     Args:
-        p1: (2, n) first derivative [m/s].
+        p1: (2, n) first derivative, not 0 [m/s].
         p2: (2, n) second derivative [m/s^2].
         p3: (2, n) third derivative [m/s^3].
-        at: the numbers there.
 
     Returns:
-        (4, 3, 2, n): of u, a, kappa, k for p1, p2, p3, their x and y.
+        (4, 3, 2, n): of u, w, u', w' for p1, p2, p3, their x and y.
     """
-    u, a, kappa = at.u, at.a, at.kappa
-    zero = np.zeros_like(p1)
-    du = p1 / u
-    da1, da2 = p2 / u - a / u * du, du
-    dkappa1 = _turned(p2, -1.0) / u**3 - 3.0 * kappa / u * du
-    dkappa2 = _turned(p1, 1.0) / u**3
-    cross = at.k + 3.0 * kappa * a / u  # (P' x P''')/u^3
-    dk1 = _turned(p3, -1.0) / u**3 - 3.0 / u * (cross - kappa * a / u) * du
-    dk1 -= 3.0 / u * (a * dkappa1 + kappa * da1)
-    dk2 = -3.0 / u * (a * dkappa2 + kappa * da2)
-    return np.array(
-        [(du, zero, zero), (da1, da2, zero), (dkappa1, dkappa2, zero), (dk1, dk2, dkappa2)]
-    )
-
-
-def _turned(vector: Array, quarter: float) -> Array:
-    """A vector turned by a quarter, to the left for +1."""
-    return quarter * np.array([-vector[1], vector[0]])
-
-
-def leader_rows(at: Shape, law: Array) -> Array:
-    """v, omega and their rates, each with its derivatives for the shape numbers.
-
-    Args:
-        at: shape of the curve.
-        law: (4, n) S and its derivatives.
-
-    Returns:
-        (4, 5, n): for v, omega, v', omega' the value and its derivatives for u, a, kappa, k
-        [m/s, rad/s, m/s^2, rad/s^2].
-    """
-    _, s1, s2, _ = law
-    u, a, kappa, k = at.u, at.a, at.kappa, at.k
-    o, q = np.zeros_like(u), s1 * s1
-    v_rate = q * a + s2 * u
-    turn_rate = q * u * k + kappa * v_rate
+    u, w, u1, w1 = motion(p1, p2, p3)
+    e, zero = p1 / u, np.zeros_like(p1)
+    left = _turned(e) / u
+    d_u1 = (p2 - u1 * e) / u
+    d_w = -_turned(p2) / u**2 - 2.0 * w / u * e
+    d_w1 = -_turned(p3) / u**2 - 2.0 / u * ((w1 + w * u1 / u) * e + w * d_u1 + u1 * d_w)
     return np.array(
         [
-            (s1 * u, s1, o, o, o),
-            (s1 * u * kappa, s1 * kappa, o, s1 * u, o),
-            (v_rate, s2, q, o, o),
-            (turn_rate, q * k + kappa * s2, kappa * q, v_rate, q * u),
+            (e, zero, zero),
+            (d_w, left, zero),
+            (d_u1, e, zero),
+            (d_w1, -2.0 / u * (w * e + u1 * left), left),
         ]
     )
 
 
-def follower_rows(at: Shape, law: Array, place: FollowerPlace) -> Array:
-    """Speed and turning rate of a point that is rigid in the leader's frame.
+def in_time(along: Array, pace: Array, slope: Array) -> Array:
+    """Motion in time from motion along a curve; linear, so its derivatives go the same way.
 
     Args:
-        at: shape of the leader's curve.
-        law: (4, n) S and its derivatives.
-        place: the point.
+        along: (4, ..., n) u, w, u', w' per S, or derivatives of them.
+        pace: (n,) S' [1].
+        slope: (n,) S'' [1/s].
 
     Returns:
-        (2, 5, n), as in ``leader_rows``: the speed |p_k'|, and the turning rate of its direction
-        [m/s, rad/s].
+        (4, ..., n): v, omega, v', omega' [m/s, rad/s, m/s^2, rad/s^2], or derivatives of them.
     """
-    s1, x, y = law[1], place.x, place.y
-    u, kappa, k = at.u, at.kappa, at.k
-    o = np.zeros_like(u)
-    m = np.maximum(np.hypot(1.0 - kappa * y, kappa * x), _LEAST)
-    slope = (kappa * (x * x + y * y) - y) / m  # dm/dkappa
-    bend = x / (m * m)
-    turn = s1 * (u * kappa + bend * k)
-    turn_slope = s1 * (u - 2.0 * bend * k * slope / m)
-    return np.array(
-        [
-            (s1 * u * m, s1 * m, o, s1 * u * slope, o),
-            (turn, s1 * kappa, o, turn_slope, s1 * bend),
-        ]
-    )
+    u, w, u1, w1 = along
+    return np.array([pace * u, pace * w, pace**2 * u1 + slope * u, pace**2 * w1 + slope * w])
+
+
+def point_motion(along: Array, x: float, y: float) -> Array:
+    """Motion of a point that is rigid in the leader's frame, per S, with derivatives.
+
+    Args:
+        along: (4, n) u, w, u', w' of the leader [m/s, rad/s, m/s^2, rad/s^2].
+        x: the point, forwards [m].
+        y: the point, to the left [m].
+
+    Returns:
+        (2, 5, n): speed of the point and turning rate of its direction, each followed by its
+        derivatives for u, w, u', w' [m/s, rad/s].
+    """
+    u, w, u1, w1 = along
+    ahead, aside = u - w * y, w * x
+    m = np.maximum(np.hypot(ahead, aside), _LEAST)
+    m_u, m_w, zero = ahead / m, (aside * x - ahead * y) / m, np.zeros_like(u)
+    q = x / m**2
+    bend = q * (u * w1 - w * u1)
+    turn_u, turn_w = q * w1 - 2.0 * bend * m_u / m, 1.0 - q * u1 - 2.0 * bend * m_w / m
+    speed = (m, m_u, m_w, zero, zero)
+    return np.array([speed, (w + bend, turn_u, turn_w, -q * w, q * u)])
+
+
+def _cross(a: Array, b: Array) -> Array:
+    product: Array = a[0] * b[1] - a[1] * b[0]
+    return product
+
+
+def _turned(a: Array) -> Array:
+    """Vectors turned by a quarter to the left."""
+    return np.array([-a[1], a[0]])

@@ -1,11 +1,10 @@
 """What a formation keeps off: obstacles that move, and the border of the arena."""
 
 from dataclasses import dataclass
-from math import cos, hypot, sin
 
 from control.actuation import require_finite
 from control.errors import ControlError
-from control.geometry import Pose2D
+from control.motion_model import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,8 +12,8 @@ class Obstacle:
     """A disc that moves with constant velocity.
 
     Attributes:
-        x: centre when the plan starts [m].
-        y: centre when the plan starts [m].
+        x: centre at time 0 [m].
+        y: centre at time 0 [m].
         radius: of the thing itself, without clearance, >= 0 [m].
         vx: velocity on the floor [m/s].
         vy: velocity on the floor [m/s].
@@ -32,67 +31,55 @@ class Obstacle:
     def __post_init__(self) -> None:
         require_finite("obstacle", self.x, self.y, self.radius, self.vx, self.vy)
         if not self.radius >= 0.0:
-            raise ControlError(f"the radius of an obstacle must be >= 0 m, got {self.radius} m")
+            raise ControlError(f"the radius of an obstacle must be >= 0 m, got {self.radius:g} m")
 
-    def distance(self, x: float, y: float, t: float) -> float:
-        """Distance of a point from the edge.
+    def apart(self, positions: Array, t: Array) -> Array:
+        """From the centre to positions, each at its time.
 
         Args:
-            x: the point [m].
-            y: the point [m].
-            t: time since the plan's start [s].
+            positions: (2, n) [m].
+            t: (n,) times [s].
 
         Returns:
-            Distance, negative inside [m].
+            (2, n) [m].
         """
-        return hypot(x - self.x - t * self.vx, y - self.y - t * self.vy) - self.radius
+        apart: Array = positions - [self.x + self.vx * t, self.y + self.vy * t]
+        return apart
 
 
 @dataclass(frozen=True, slots=True)
 class Arena:
-    """A rectangle on the floor.
+    """A rectangle along the floor's axes.
 
     Attributes:
-        center: its middle, and the direction of its length [m, m, rad].
-        length: > 0 [m].
-        width: > 0 [m].
+        x_min: [m].
+        x_max: > x_min [m].
+        y_min: [m].
+        y_max: > y_min [m].
 
     Raises:
-        ControlError: if a number is not finite or a side not positive.
+        ControlError: if a number is not finite or a side has no length.
     """
 
-    center: Pose2D
-    length: float
-    width: float
+    x_min: float
+    x_max: float
+    y_min: float
+    y_max: float
 
     def __post_init__(self) -> None:
-        center = self.center
-        require_finite("arena", center.x, center.y, center.theta, self.length, self.width)
-        if not min(self.length, self.width) > 0.0:
-            raise ControlError(f"sides of an arena must be > 0 m, got {self.length}, {self.width}")
+        require_finite("arena", self.x_min, self.x_max, self.y_min, self.y_max)
+        if not (self.x_min < self.x_max and self.y_min < self.y_max):
+            raise ControlError(f"an arena needs x_min < x_max and y_min < y_max, got {self}")
 
-    def sides(self) -> tuple[tuple[float, float, float], ...]:
-        """The four sides as (nx, ny, reach): inside is nx x + ny y <= reach.
+    def borders(self) -> tuple[tuple[str, tuple[float, float], float], ...]:
+        """The four sides: inside is inward . (x, y) >= at.
 
         Returns:
-            Outward normals and their reach from the origin: front, left, back, right [1, 1, m].
+            Name, inward normal [1, 1] and place along it [m] of each.
         """
-        c, s = cos(self.center.theta), sin(self.center.theta)
-        halves = (0.5 * self.length, 0.5 * self.width) * 2
-        normals = ((c, s), (-s, c), (-c, -s), (s, -c))
-        x, y = self.center.x, self.center.y
-        return tuple(
-            (nx, ny, nx * x + ny * y + half) for (nx, ny), half in zip(normals, halves, strict=True)
+        return (
+            (f"border x = {self.x_min:g} m", (1.0, 0.0), self.x_min),
+            (f"border x = {self.x_max:g} m", (-1.0, 0.0), -self.x_max),
+            (f"border y = {self.y_min:g} m", (0.0, 1.0), self.y_min),
+            (f"border y = {self.y_max:g} m", (0.0, -1.0), -self.y_max),
         )
-
-    def distance(self, x: float, y: float) -> float:
-        """Distance of a point from the nearest side.
-
-        Args:
-            x: the point [m].
-            y: the point [m].
-
-        Returns:
-            Distance, negative outside [m].
-        """
-        return min(reach - nx * x - ny * y for nx, ny, reach in self.sides())

@@ -1,206 +1,177 @@
-"""The planner's problem on a mesh: variables without equations, cost, constraints, Jacobians."""
+"""The planner's problem for a given time law: curves, and what they must keep, with Jacobians.
 
-from dataclasses import dataclass
-from math import cos, sin
+Every constraint is a named share that must not exceed 1: a velocity over its limit; for
+distances 1 plus what lacks, over the length of the way.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import BSpline
-from scipy.linalg import cholesky, qr, solve_triangular
+from numpy.typing import NDArray
 
+from control.flatness import in_time, motion, motion_gradient, point_motion
 from control.motion_model import Array
-from control.plan_request import Resolution
+from control.plan_curves import Curves, End, curves_between, spline_basis
+from control.plan_request import PlanRequest
 from control.time_law import TimeLaw
 
+FINER = 10
+"""The constraints are checked at so many times the intervals of the nodes."""
 
-def read_only(*arrays: Array) -> None:
-    """Keep values from being changed.
+TURNING_BACK = "pace"
+"""Name of the share of curves that all but stop on the way."""
 
-    Args:
-        *arrays: to lock.
-    """
-    for array in arrays:
-        array.flags.writeable = False
+_SLOWEST = 0.1  # of the usual pace: slower, a curve may turn back on itself
+_LEAST = 1e-9  # of distances, which have no direction at 0 [m]
 
-
-@dataclass(frozen=True, slots=True)
-class End:
-    """What is fixed where a curve starts or ends.
-
-    Attributes:
-        position: [m, m].
-        heading: direction of the first derivative [rad].
-        pace: |P'|, > 0 [m/s].
-        rush: P'' along the heading; None leaves it open [m/s^2].
-        bend: P'' to the left of the heading [m/s^2].
-    """
-
-    position: tuple[float, float]
-    heading: float
-    pace: float
-    rush: float | None = None
-    bend: float = 0.0
+Row = tuple[str, Array]
 
 
 @dataclass(frozen=True, slots=True)
-class Mesh:
-    """Times, and what the spline's basis is there; read-only.
+class Problem:
+    """A request whose time law and ends are decided, at n times.
 
     Attributes:
-        t: (n,) from 0 to the duration [s].
-        law: (4, n) S and its derivatives.
-        basis: (4, n, c) basis functions and their derivatives for S.
+        request: as asked.
+        law: of the time.
+        length: of the way, roughly [m].
+        curves: to choose from, by m variables w.
+        t: (n,) times since the start [s].
+        constant: (4, 2, n) P, P', P'', P''' for w = 0 [m, s].
+        linear: (4, 2, n, m) their derivatives for w [m, s].
     """
 
+    request: PlanRequest
+    law: TimeLaw
+    length: float
+    curves: Curves
     t: Array
-    law: Array
-    basis: Array
+    constant: Array
+    linear: Array
 
-    def __post_init__(self) -> None:
-        read_only(self.t, self.law, self.basis)
+    def at(self, chosen: NDArray[np.bool_]) -> "Problem":
+        """The same problem at some of its times.
 
+        Args:
+            chosen: (n,) which.
 
-def knots(law: TimeLaw, resolution: Resolution) -> Array:
-    """Clamped, evenly spaced knots over all of S.
+        Returns:
+            The smaller problem.
+        """
+        constant, linear = self.constant[:, :, chosen], self.linear[:, :, chosen]
+        return replace(self, t=self.t[chosen], constant=constant, linear=linear)
 
-    Args:
-        law: its S at the end is the end of the curve.
-        resolution: degree and number of control points.
-
-    Returns:
-        (control points + degree + 1,) knots [s].
-    """
-    degree, end = resolution.degree, float(law.at(np.array([law.duration]))[0, 0])
-    inner = np.linspace(0.0, end, resolution.control_points - degree + 1)
-    return np.concatenate((np.zeros(degree), inner, np.full(degree, end)))
-
-
-def mesh(law: TimeLaw, resolution: Resolution, nodes: int) -> Mesh:
-    """Evenly spaced times with the basis of a plan's curve.
-
-    Args:
-        law: the plan's time law.
-        resolution: of its curve.
-        nodes: number of times.
-
-    Returns:
-        The mesh.
-    """
-    t = np.linspace(0.0, law.duration, nodes)
-    s, breaks = law.at(t), knots(law, resolution)
-    s[0] = np.clip(s[0], 0.0, breaks[-1])  # the last bits of an integral
-    spline = BSpline(breaks, np.eye(resolution.control_points), resolution.degree)
-    return Mesh(t, s, np.array([spline(s[0], order) for order in range(4)]))
-
-
-@dataclass(frozen=True, slots=True)
-class Space:
-    """All curves between two ends: control points = best + directions w, cost = least + |w|^2.
-
-    Attributes:
-        best: (2, c) control points of the cheapest curve that only the ends constrain [m].
-        directions: (2, c, m) of the free variables w.
-        least: cost of the best curve.
-
-    Both arrays are read-only.
-    """
-
-    best: Array
-    directions: Array
-    least: float
-
-    def __post_init__(self) -> None:
-        read_only(self.best, self.directions)
-
-    def curve(self, w: Array) -> Array:
-        """Control points.
+    def derivatives(self, w: Array) -> Array:
+        """P and its derivatives for S.
 
         Args:
             w: (m,) variables.
 
         Returns:
-            (2, c) control points [m].
+            (4, 2, n) [m, m/s, m/s^2, m/s^3].
         """
-        points: Array = self.best + self.directions @ w
-        return points
+        derivatives: Array = self.constant + self.linear @ w
+        return derivatives
 
-    def nearest(self, basis: Array, points: Array, tolerance: float) -> Array:
-        """Variables of the curve near points that weighs closeness against its cost.
-
-        Args:
-            basis: (n, c) basis functions at the points' times.
-            points: (2, n) wanted positions [m].
-            tolerance: an rms distance that weighs as much as a cost of 1 [m].
+    def names(self) -> list[str]:
+        """What the shares are of.
 
         Returns:
-            (m,) variables.
+            (r,) names.
         """
-        reach = (basis @ self.directions).reshape(-1, self.directions.shape[2])
-        off = (points - self.best @ basis.T).ravel()
-        weight = 1.0 / (len(basis) * tolerance**2)
-        normal = weight * (reach.T @ reach) + np.eye(reach.shape[1])
-        return np.asarray(np.linalg.solve(normal, weight * (reach.T @ off)), dtype=float)
+        p = self.constant
+        return [name for name, _ in (*self._limits(motion(*p[1:])), *self._distances(p[0]))]
+
+    def shares(self, w: Array) -> Array:
+        """All shares.
+
+        Args:
+            w: (m,) variables.
+
+        Returns:
+            (r, n) shares, at most 1 where the curve keeps its limits [1].
+        """
+        p = self.derivatives(w)
+        rows = *self._limits(motion(*p[1:])), *self._distances(p[0])
+        return np.array([row[0] for _, row in rows])
+
+    def jacobian(self, w: Array) -> Array:
+        """Derivatives of all shares.
+
+        Args:
+            w: (m,) variables.
+
+        Returns:
+            (r, n, m) derivatives for the variables [1].
+        """
+        p = self.derivatives(w)
+        gradient = np.einsum("qkxn,kxnm->qnm", motion_gradient(*p[1:]), self.linear[1:])
+        limits = [(row[1:], gradient) for _, row in self._limits(motion(*p[1:]))]
+        distances = [(row[1:], self.linear[0]) for _, row in self._distances(p[0])]
+        return np.array([np.einsum("xn,xnm->nm", *pair) for pair in (*limits, *distances)])
+
+    def _limits(self, along: Array) -> Iterator[Row]:
+        """(5, n) rows: a share, then its derivatives for the motion along the curve."""
+        limits, (_, pace, slope) = self.request.limits, self.law.at(self.t)
+        units = np.broadcast_to(np.eye(4)[:, :, None], (4, *along.shape))
+        rows = np.concatenate((along[:, None], units), axis=1)
+        v, omega, v_rate, omega_rate = in_time(rows, pace, slope)
+        slowness = rows[0] * (-self.law.end / self.length)
+        slowness[0] += 1.0 + _SLOWEST
+        yield TURNING_BACK, slowness
+        yield "speed", v / limits.v
+        yield from _both("turning rate", omega / limits.omega)
+        yield from _both("acceleration", v_rate / limits.v_rate)
+        yield from _both("angular acceleration", omega_rate / limits.omega_rate)
+        for place in self.request.places:
+            speed, turn = point_motion(along, place.x, place.y)
+            half = 0.5 * place.track_width
+            for rim in (speed + half * turn, speed - half * turn):
+                name = f"wheel speed of the follower at ({place.x:g}, {place.y:g}) m"
+                yield name, pace * rim / place.wheel_speed
+
+    def _distances(self, p: Array) -> Iterator[Row]:
+        """(3, n) rows: a share, then its derivatives for x and y."""
+        request = self.request
+        for o in request.obstacles:
+            apart = o.apart(p, self.t)
+            distance = np.maximum(np.hypot(*apart), _LEAST)
+            away = apart / distance
+            row = self._closeness(distance - o.radius, away)
+            yield f"distance to the obstacle at ({o.x:g}, {o.y:g}) m", row
+        for name, inward, at in request.arena.borders() if request.arena else ():
+            normal = np.array(inward)[:, None]
+            row = self._closeness((normal * p).sum(axis=0) - at, normal + np.zeros_like(p))
+            yield f"distance to the {name} of the arena", row
+
+    def _closeness(self, distance: Array, gradient: Array) -> Array:
+        """A share from a distance [m] and its derivatives for x and y [1]."""
+        share = 1.0 + (self.request.clearance - distance) / self.length
+        return np.array([share, *(gradient / -self.length)])
 
 
-def space(fine: Mesh, ends: tuple[End, End], scale: float) -> Space:
-    """The variables of a problem: the ends eliminated, the cost made a plain square.
-
-    The cost is the integral of squared jerk, plus squared acceleration over duration^2.
+def problem(request: PlanRequest, ends: tuple[End, End], law: TimeLaw, length: float) -> Problem:
+    """The problem of a request on a mesh FINER than its nodes.
 
     Args:
-        fine: the mesh of the integral.
+        request: as asked.
         ends: of the curve.
-        scale: what the cost is divided by [m^2/s^5].
+        law: of the time.
+        length: of the way, roughly [m].
 
     Returns:
-        The space of curves.
+        The problem.
     """
-    count = fine.basis.shape[2]
-    rows, values = _equations(fine, ends)
-    whole, upper = qr(rows.T)
-    fixed = len(values)
-    particular = whole[:, :fixed] @ solve_triangular(upper[:fixed], values, trans="T")
-    free = whole[:, fixed:]
-    weight = np.kron(np.eye(2), _cost(fine) / scale)
-    root = cholesky(free.T @ weight @ free, lower=True)
-    step = solve_triangular(root, free.T @ weight @ particular, lower=True)
-    directions = solve_triangular(root, free.T, lower=True).T
-    best = particular - directions @ step
-    least = float(best @ weight @ best)
-    return Space(best.reshape(2, count), directions.reshape(2, count, -1), least)
+    spline = spline_basis(request.degree, request.control_points, law.end)
+    curves = curves_between(ends, spline, length)
+    t = np.linspace(0.0, law.duration, FINER * (request.nodes - 1) + 1)
+    s = law.at(t)[0]
+    basis = np.array([spline(s, order) for order in range(4)])
+    constant = curves.best @ basis.transpose(0, 2, 1)
+    return Problem(request, law, length, curves, t, constant, basis[:, None] @ curves.directions)
 
 
-def _cost(fine: Mesh) -> Array:
-    """(c, c) form of the cost, by trapezoids."""
-    _, s1, s2, s3 = fine.law[:, :, None]
-    _, b1, b2, b3 = fine.basis
-    jerk = b3 * s1**3 + 3.0 * b2 * s1 * s2 + b1 * s3
-    acceleration = (b2 * s1**2 + b1 * s2) / fine.t[-1]
-    weights = np.full((len(fine.t), 1), fine.t[1])
-    weights[[0, -1]] *= 0.5
-    form: Array = jerk.T @ (weights * jerk) + acceleration.T @ (weights * acceleration)
-    return form
-
-
-def _equations(fine: Mesh, ends: tuple[End, End]) -> tuple[Array, Array]:
-    """Rows and values of what the ends fix, on x and y of the control points."""
-    both = zip(ends, (0, -1), strict=True)
-    fixed = [row for end, at in both for row in _fixed(end, fine.basis[:3, at])]
-    return np.array([row for row, _ in fixed]), np.array([value for _, value in fixed])
-
-
-def _fixed(end: End, basis: Array) -> list[tuple[Array, float]]:
-    place, first, second = basis
-    c, s = cos(end.heading), sin(end.heading)
-    wanted = (
-        (place, (1.0, 0.0), end.position[0]),
-        (place, (0.0, 1.0), end.position[1]),
-        (first, (-s, c), 0.0),
-        (first, (c, s), end.pace),
-        (second, (-s, c), end.bend),
-        (second, (c, s), end.rush),
-    )
-    return [
-        (np.concatenate((dx * row, dy * row)), value)
-        for row, (dx, dy), value in wanted
-        if value is not None
-    ]
+def _both(name: str, row: Array) -> tuple[Row, Row]:
+    """A limit of either sign."""
+    return (name, row), (name, -row)

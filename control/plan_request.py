@@ -10,17 +10,17 @@ from control.obstacles import Arena, Obstacle
 from control.unicycle import UnicycleState
 
 SHORTEST_WAY = 1e-3
-"""A goal closer to the start than this is no goal: the planner does not turn on the spot [m]."""
+"""A goal closer to the start than this is no goal: plans do not turn on the spot [m]."""
 
-REST = 1e-9
+REST = 1e-6
 """Speeds below this are a standstill [m/s]."""
 
-_ROUNDING = 1e-6  # a plan starts from the state that another one has reached
+_ROUNDING = 1e-4  # a plan starts from where another one is, within its accuracy [1, m]
 
 
 @dataclass(frozen=True, slots=True)
 class LeaderLimits:
-    """What a plan may ask of the leader; a part of what its motors can, the rest is for feedback.
+    """What a plan may ask of the leader: a part of what its motors can, the rest is for feedback.
 
     Attributes:
         v: forward speed, > 0 [m/s].
@@ -47,59 +47,29 @@ class LeaderLimits:
 class FollowerPlace:
     """Where a follower's camera point is about the leader, and what its wheels can.
 
-    The point is rigid in the leader's frame; the follower drives along the point's own path. A
-    place at (0, 0) puts the same limits on the leader's own wheels.
+    The point is rigid in the leader's frame, its follower drives along the point's own path.
+    (0, 0) puts the limit on the leader's own wheels.
 
     Attributes:
         x: forwards, < 0 behind the leader [m].
         y: to the left [m].
-        speed_limit: of the follower, > 0 [m/s].
-        turn_limit: of the follower, > 0 [rad/s].
         wheel_speed: rim speed that no wheel may exceed, > 0 [m/s].
         track_width: between its wheels, >= 0 [m].
 
     Raises:
-        ControlError: if the place is not finite, a limit not positive or the track width negative.
+        ControlError: if a number is not finite, or the limit or the track width is none.
     """
 
     x: float
     y: float
-    speed_limit: float = inf
-    turn_limit: float = inf
-    wheel_speed: float = inf
-    track_width: float = 0.0
+    wheel_speed: float
+    track_width: float
 
     def __post_init__(self) -> None:
-        require_finite("place of a follower", self.x, self.y, self.track_width)
-        limits = (self.speed_limit, self.turn_limit, self.wheel_speed)
-        if not (all(limit > 0.0 for limit in limits) and self.track_width >= 0.0):
-            raise ControlError(f"limits of a follower must be > 0, its track >= 0 m, got {self}")
-
-
-@dataclass(frozen=True, slots=True)
-class Resolution:
-    """How finely a plan is described and checked.
-
-    Attributes:
-        control_points: of the spline, at least 8 and degree + 3.
-        degree: of the spline, at least 4: its third derivative is continuous.
-        nodes: times at which the constraints are collocated, at least 2 per control point.
-
-    Raises:
-        ControlError: if a number is too small.
-    """
-
-    control_points: int = 12
-    degree: int = 5
-    nodes: int = 41
-
-    def __post_init__(self) -> None:
-        least = max(self.degree + 3, 8)
-        if self.degree < 4 or self.control_points < least or self.nodes < 2 * self.control_points:
-            raise ControlError(
-                f"a plan needs degree >= 4, control points >= {least} and twice as many nodes, "
-                f"got {self.degree}, {self.control_points}, {self.nodes}"
-            )
+        numbers = (self.x, self.y, self.wheel_speed, self.track_width)
+        require_finite("place of a follower", *numbers)
+        if not (self.wheel_speed > 0.0 and self.track_width >= 0.0):
+            raise ControlError(f"a follower needs a wheel speed > 0, a track >= 0 m, got {self}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,22 +77,22 @@ class PlanRequest:
     """One task for the planner.
 
     The circle of ``clearance`` about the leader stays off every obstacle and inside the arena. It
-    is the formation's radius plus alpha of (9), the accuracy of tracking (Remark 4).
+    is the formation's radius, bodies included, plus alpha of (9), the accuracy of tracking.
 
     Attributes:
         start: pose and velocities of the leader; it drives forwards or stands.
         goal: wanted pose at the end [m, m, rad].
         goal_speed: wanted speed at the end, >= 0: 0 stands there, else straight on [m/s].
-        limits: of the leader.
-        v_rate: forward acceleration at the start; None leaves it open while driving, and is 0
-            at a standstill [m/s^2].
         duration: None finds the shortest of a few that does, > 0 [s].
         t_start: when the plan starts, on the mission's clock [s].
-        arena: None is an unbounded floor.
-        obstacles: where they are at t_start.
         clearance: about the leader, >= 0 [m].
+        obstacles: where they are at t_start.
+        arena: None is an unbounded floor.
+        limits: of the leader.
         places: of the followers.
-        resolution: of the spline and its nodes.
+        degree: of the B-spline, at least 5.
+        control_points: of the B-spline, at least 10 and more than the degree.
+        nodes: evenly spaced times of collocation, at least 2 per control point.
 
     Raises:
         ControlError: if a number is not usable, or the start is none that a plan can have.
@@ -131,19 +101,20 @@ class PlanRequest:
     start: UnicycleState
     goal: Pose2D
     goal_speed: float = 0.0
-    limits: LeaderLimits = LeaderLimits()
-    v_rate: float | None = None
     duration: float | None = None
     t_start: float = 0.0
-    arena: Arena | None = None
-    obstacles: tuple[Obstacle, ...] = ()
     clearance: float = 0.0
+    obstacles: tuple[Obstacle, ...] = ()
+    arena: Arena | None = None
+    limits: LeaderLimits = LeaderLimits()
     places: tuple[FollowerPlace, ...] = ()
-    resolution: Resolution = Resolution()
+    degree: int = 5
+    control_points: int = 12
+    nodes: int = 41
 
     def __post_init__(self) -> None:
         s, g = self.start, self.goal
-        require_finite("start of a plan", s.x, s.y, s.theta, s.v, s.omega, self.v_rate or 0.0)
+        require_finite("start of a plan", s.x, s.y, s.theta, s.v, s.omega)
         require_finite("goal of a plan", g.x, g.y, g.theta, self.goal_speed)
         require_finite("clearance and time of a plan", self.clearance, self.t_start)
         _require_sizes(self)
@@ -152,9 +123,15 @@ class PlanRequest:
 
 def _require_sizes(request: PlanRequest) -> None:
     if not request.clearance >= 0.0:
-        raise ControlError(f"the clearance of a plan must be >= 0 m, got {request.clearance} m")
+        raise ControlError(f"the clearance of a plan must be >= 0 m, got {request.clearance:g} m")
     if request.duration is not None and not 0.0 < request.duration < inf:
-        raise ControlError(f"the duration of a plan must be > 0 s, got {request.duration} s")
+        raise ControlError(f"the duration of a plan must be > 0 s, got {request.duration:g} s")
+    degree, points, nodes = request.degree, request.control_points, request.nodes
+    if degree < 5 or points < max(10, degree + 1) or nodes < 2 * points:
+        raise ControlError(
+            "a plan needs degree >= 5, control points >= 10 and > degree, twice as many nodes, "
+            f"got {degree}, {points}, {nodes}"
+        )
     way = hypot(request.goal.x - request.start.x, request.goal.y - request.start.y)
     if way < SHORTEST_WAY:
         raise ControlError(
@@ -164,21 +141,20 @@ def _require_sizes(request: PlanRequest) -> None:
 
 
 def _require_drivable(request: PlanRequest) -> None:
-    start, limits, v_rate = request.start, request.limits, request.v_rate or 0.0
+    start, limits = request.start, request.limits
     if start.v < 0.0 or request.goal_speed < 0.0:
         raise ControlError(
             f"plans drive forwards, got {start.v:g} m/s at the start and "
             f"{request.goal_speed:g} m/s at the goal; stop or turn round first"
         )
-    if start.v < REST and (abs(start.omega) > _ROUNDING or v_rate < 0.0):
+    if start.v < REST and abs(start.omega) > REST:
         raise ControlError(
-            f"a plan from a standstill starts with omega 0 and v_rate >= 0, got "
-            f"{start.omega:g} rad/s and {v_rate:g} m/s^2; plan from the planned state, not the seen"
+            f"a plan from a standstill starts with omega 0, got {start.omega:g} rad/s; "
+            "plan from the planned state, not from the seen one"
         )
     for what, has, most in (
         ("speed at the start", start.v, limits.v),
         ("turning rate at the start", abs(start.omega), limits.omega),
-        ("acceleration at the start", abs(v_rate), limits.v_rate),
         ("speed at the goal", request.goal_speed, limits.v),
     ):
         if has > most * (1.0 + _ROUNDING):
@@ -186,7 +162,7 @@ def _require_drivable(request: PlanRequest) -> None:
 
 
 def require_room(request: PlanRequest) -> None:
-    """Refuse a task whose start or goal no plan can reach, before one is searched.
+    """Refuse a start or a goal that no plan can have, before one is searched.
 
     At the start all obstacles count, at the goal those that stay where they are.
 
@@ -197,17 +173,18 @@ def require_room(request: PlanRequest) -> None:
         ControlError: if there is no room for the clearance; it says where and how much is missing.
     """
     for what, at in (("start", request.start.pose), ("goal", request.goal)):
-        for obstacle in request.obstacles:
-            free = obstacle.distance(at.x, at.y, 0.0) - request.clearance
-            stays = what == "start" or obstacle.vx == obstacle.vy == 0.0
-            if free < -_ROUNDING and stays:
-                raise ControlError(
-                    f"the {what} ({at.x:g}, {at.y:g}) m is {-free:.3g} m too close to the obstacle "
-                    f"at ({obstacle.x:g}, {obstacle.y:g}) m; move it or use a smaller formation"
-                )
-        free = request.arena.distance(at.x, at.y) - request.clearance if request.arena else 0.0
-        if free < -_ROUNDING:
-            raise ControlError(
-                f"the {what} ({at.x:g}, {at.y:g}) m with its clearance reaches {-free:.3g} m out "
-                "of the arena; move it, enlarge the arena or use a smaller formation"
-            )
+        for o in request.obstacles:
+            if what == "start" or o.vx == o.vy == 0.0:
+                distance = hypot(at.x - o.x, at.y - o.y) - o.radius
+                _require(request, distance, what, at, f"the obstacle at ({o.x:g}, {o.y:g}) m")
+        for name, (nx, ny), reach in request.arena.borders() if request.arena else ():
+            _require(request, nx * at.x + ny * at.y - reach, what, at, f"the arena's {name}")
+
+
+def _require(request: PlanRequest, distance: float, what: str, at: Pose2D, thing: str) -> None:
+    lack = request.clearance - distance
+    if lack > _ROUNDING:
+        raise ControlError(
+            f"the {what} ({at.x:g}, {at.y:g}) m is {lack:.3g} m too close to {thing}; "
+            "move it or use a smaller formation"
+        )

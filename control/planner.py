@@ -1,52 +1,38 @@
 """The motion planner of the formation's leader (ref. [18]): clear ways that followers can keep.
 
-The leader is flat in (x, y), so a plan is a curve in time, p(t) = P(S(t)): P a clamped B-spline,
-S a time law. The cost is the integral of squared jerk and a little acceleration. Limits of the
-leader, control authority of the followers, obstacles and the arena are collocated at nodes, and
-checked between them.
+The leader is flat in (x, y), so a plan is a curve in time, p(t) = P(S(t)): P a clamped B-spline, S
+a time law. The cost is the integral of |P'''|^2. Limits of the leader, wheels of the followers,
+obstacles and the arena are collocated at nodes and checked between them; SLSQP finds the cheapest
+curve that keeps them.
 
-A robot at rest has no direction of motion. So P never stands still: S' alone falls to 0 at a
-standstill, and heading and curvature are those of P. A formation leaves and reaches a standstill
-straight ahead, so that its followers' headings agree with the leader's there.
+A formation leaves and reaches a standstill straight ahead, so that its followers' headings agree
+with the leader's there.
 """
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from math import cos, hypot, inf, isclose
+from math import hypot, inf
 
 import numpy as np
 
-from control.actuation import require_finite
-from control.detours import arc_ways, driven, length
+from control.detours import arc_ways, detours, driven, length
 from control.errors import ControlError
-from control.geometry import Pose2D, compose, inverse
 from control.motion_model import Array
-from control.obstacles import Obstacle
 from control.plan import PlannedPath
-from control.plan_ends import (
-    arrival,
-    departure,
-    departure_from,
-    greatest_speed,
-    least_duration,
-    pacing,
-)
-from control.plan_frame import seen_from
-from control.plan_outcome import failure, finished
-from control.plan_request import SHORTEST_WAY, PlanRequest, require_room
-from control.plan_search import FINER, Attempt, Task, prepare, search, solve
+from control.plan_curves import End
+from control.plan_failure import failure
+from control.plan_problem import FINER, Problem, problem
+from control.plan_request import REST, SHORTEST_WAY, PlanRequest, require_room
+from control.plan_search import Attempt, search
 from control.spline_plan import SplinePlan
 from control.time_law import ramps
-from control.unicycle import UnicycleState
 
-DURATIONS = (1.15, 1.4, 1.75, 2.2, 2.8, 3.6, 5.0)
-"""What is tried if no duration is asked for, over the least that the leader's limits allow."""
+DURATIONS = (1.2, 1.5, 1.9, 2.4, 3.2, 4.5)
+"""What is tried if no duration is asked for, over the least that the limits allow."""
 
-STRETCHES = (1.0, 1.35, 2.0)
-"""What is tried when replanning, over what is left of the old plan."""
-
-_EASY = 3  # of DURATIONS, the one that is tried first
 _WAYS = 2  # by arcs, that are tried
+_RAMP = 2.0  # duration of a ramp over the least, which has the limit as its mean acceleration
+_CRUISE = 0.8  # of the greatest speed: ramps are longer if that leaves time
 
 
 def plan(request: PlanRequest) -> SplinePlan:
@@ -65,156 +51,136 @@ def plan(request: PlanRequest) -> SplinePlan:
         ControlError: if no plan was found: which constraint fails, where, by how much, a remedy.
     """
     require_room(request)
-    ways = _ways(request)
-    if request.duration is not None:
-        return finished(_first([_fresh(request, request.duration, ways)]))
-    least = least_duration(request, length(ways[0]))
-    times = [factor * least for factor in DURATIONS]
-    found = _first(_fresh(request, time, ways) for time in times[_EASY:])
-    if found.task.law.duration == times[_EASY]:
-        found = _shortened(found, length(ways[0]), times[:_EASY])
-    return finished(found)
+    ways = _arc_ways(request)
+    durations = [request.duration] if request.duration else _durations(request, length(ways[0]))
+    return _first(_fresh(request, duration, ways) for duration in durations)
 
 
 def replan(old: SplinePlan, t: float, request: PlanRequest) -> SplinePlan:
-    """A plan that goes on from another one: equal position, velocity and acceleration at t.
+    """A plan that goes on from another one: equal pose, velocities and accelerations at t.
 
-    The old way is tried first, and kept on its side of every obstacle if that does; else all
-    sides are tried. Without a duration it takes what is left of the old plan, or longer if it
-    must. At the goal and behind it the old plan stays, or for another goal a fresh one is made.
+    The old way is tried first, and kept on its side of every obstacle if that does. Without a
+    duration it takes what is left of the old plan, or longer if it must.
 
     Args:
         old: the plan so far.
         t: when the new plan starts, on the mission's clock [s].
-        request: goal, limits, and obstacles as they are at t; its start, v_rate and t_start are
-            taken from the old plan.
+        request: goal, limits, and obstacles as they are at t; its start and t_start are those of
+            the old plan at t.
 
     Returns:
-        The new plan, from t on.
+        The new plan, from t on; the old one if that has reached the goal's place.
 
     Raises:
         ControlError: if t lies before the old plan, or no plan was found.
     """
-    since = t - old.t_start
-    if not 0.0 <= since < inf:
+    if not old.t_start <= t < inf:
         raise ControlError(f"a plan that starts at {old.t_start:g} s cannot be left at {t:g} s")
-    left, start = old.duration - since, old.at(t).state
-    if _arrives(old, request.goal) and (left <= 0.0 or _apart(request.goal, start) < SHORTEST_WAY):
+    start = old.at(t).state
+    if hypot(request.goal.x - start.x, request.goal.y - start.y) < SHORTEST_WAY:
         return old
-    if left <= 0.0:
-        return plan(replace(request, start=start, v_rate=0.0, t_start=t))
-    request = replace(request, start=start, v_rate=None, t_start=t)
+    request = replace(request, start=start, t_start=t)
+    if t >= old.t_end:
+        return plan(request)
     require_room(request)
-    times = [left * stretch for stretch in STRETCHES]
-    if request.duration is not None:
-        times = [request.duration]
-    return finished(_first(_renewed(request, old, since, time) for time in times))
+    return _first(_renewals(request, old, t))
 
 
-def is_clear(plan: SplinePlan, t: float, obstacles: Iterable[Obstacle], clearance: float) -> bool:
-    """Whether the rest of a plan stays off obstacles: if not, it is time to replan.
-
-    Args:
-        plan: the plan.
-        t: now, on the mission's clock [s].
-        obstacles: as they are now.
-        clearance: wanted about the leader [m].
-
-    Returns:
-        True if no obstacle comes closer than the clearance until the plan's end.
-
-    Raises:
-        ControlError: if t or the clearance is not finite.
-    """
-    require_finite("time and clearance", t, clearance)
-    end = plan.t_start + plan.duration
-    times = np.linspace(t, max(t, end), FINER * (plan.resolution.nodes - 1) + 1)
-    places = np.array([*plan.positions(times), times - t]).T.tolist()
-    return all(o.distance(*place) >= clearance for o in obstacles for place in places)
-
-
-def _first(attempts: Iterable[Attempt]) -> Attempt:
+def _first(attempts: Iterable[Attempt]) -> SplinePlan:
     """The first one that keeps the constraints, or the error of the one that comes closest."""
     tried = []
     for attempt in attempts:
         if attempt.keeps:
-            return attempt
+            return _finished(attempt)
         tried.append(attempt)
     raise failure(tried)
 
 
-def _arrives(old: SplinePlan, goal: Pose2D) -> bool:
-    end = old.at(old.t_start + old.duration).state
-    return _apart(goal, end) < SHORTEST_WAY and cos(goal.theta - end.theta) > 1.0 - 1e-6
+def _finished(attempt: Attempt) -> SplinePlan:
+    problem, request = attempt.problem, attempt.problem.request
+    curves, start = problem.curves, request.start
+    points = (curves.best + curves.directions @ attempt.w).T
+    return SplinePlan(points, request.degree, problem.law, start.theta, request.t_start)
 
 
-def _apart(goal: Pose2D, state: UnicycleState) -> float:
-    return hypot(goal.x - state.x, goal.y - state.y)
+def _fresh(request: PlanRequest, duration: float, ways: list[PlannedPath]) -> Attempt:
+    """The cheapest plan of a duration, round what is on ways by arcs."""
+    start, way = request.start, length(ways[0])
+    ramp, pace = _pacing(request, duration, way, start.v * duration / way)
+    u = max(start.v, pace)
+    law = ramps(duration, ramp, start.v / u, 0.0, _last(request, pace))
+    curvature = start.omega / start.v if start.v > REST else 0.0
+    begin = End(start.pose, (u,), (0.0, curvature * u**2))
+    task = problem(request, (begin, _arrival(request, pace)), law, way)
+    passed = law.at(task.t[::FINER])[0] / law.end
+    return search(task, [r for w in ways for r in _round(task, driven(w, passed))])
 
 
-def _ways(request: PlanRequest) -> tuple[PlannedPath, ...]:
-    """Ways by arcs wide enough for followers to drive forwards, the shortest first."""
+def _renewals(request: PlanRequest, old: SplinePlan, t: float) -> Iterator[Attempt]:
+    """For each duration the old way as it is, ways round what is on it, and fresh ones."""
+    left, ways = old.t_end - t, _arc_ways(request)
+    longer = [time for time in _durations(request, length(ways[0])) if time > left]
+    for duration in [request.duration] if request.duration else [left, *longer]:
+        task, way = _renewed(request, old, t, duration), old.way(t, request.nodes)
+        yield search(task, [way])
+        yield search(task, [*_round(task, way)])
+
+
+def _renewed(request: PlanRequest, old: SplinePlan, t: float, duration: float) -> Problem:
+    """To go on as the old plan does, by its own law in the time that it has left."""
+    way = float(np.hypot(*np.diff(old.way(t, request.nodes))).sum())
+    law = old.law.rest(t - old.t_start)
+    pace, last = way / law.end, law.paces[-1]
+    if duration != law.duration or (last > 0.0) != (request.goal_speed > 0.0):
+        ramp, pace = _pacing(request, duration, way, law.paces[0])
+        last = _last(request, pace)
+        law = ramps(duration, ramp, law.paces[0], law.slopes[0], last)
+    elif last > 0.0:
+        pace = request.goal_speed / last
+    return problem(request, (old.end_at(t), _arrival(request, pace)), law, way)
+
+
+def _pacing(request: PlanRequest, duration: float, way: float, first: float) -> tuple[float, float]:
+    """Duration of the ramps, long where there is time [s]; pace of the curve on the way [m/s]."""
+    mean, spare = way / duration, duration - way / (_CRUISE * _greatest_speed(request))
+    lost = sum(1.0 - min(1.0, share) for share in (first, request.goal_speed / mean))
+    least = _RAMP * mean / request.limits.v_rate
+    ramp = min(duration / 3.0, max(least, 2.0 * spare / max(lost, 1.0)))
+    return ramp, way / (duration - 0.5 * lost * ramp)
+
+
+def _last(request: PlanRequest, pace: float) -> float:
+    """S' at the goal."""
+    return request.goal_speed / max(request.goal_speed, pace)
+
+
+def _arrival(request: PlanRequest, pace: float) -> End:
+    """Straight on; at a steady speed if it is one."""
+    u = max(request.goal_speed, pace)
+    return End(request.goal, (u, 0.0) if request.goal_speed > 0.0 else (u,), (0.0, 0.0))
+
+
+def _round(task: Problem, way: Array) -> list[Array]:
+    inflated = (
+        replace(o, radius=o.radius + task.request.clearance) for o in task.request.obstacles
+    )
+    return detours(way, task.t[::FINER], tuple(inflated))
+
+
+def _arc_ways(request: PlanRequest) -> list[PlannedPath]:
+    """Ways by arcs wide enough for followers to drive forwards."""
     reach = max((hypot(place.x, place.y) for place in request.places), default=0.0)
-    radius = max(reach, greatest_speed(request) / request.limits.omega)
-    goal = compose(inverse(request.start.pose), request.goal)
-    return arc_ways(Pose2D(0.0, 0.0, 0.0), goal, radius)
+    radius = max(reach, _greatest_speed(request) / request.limits.omega)
+    return arc_ways(request.start.pose, request.goal, radius)[:_WAYS]
 
 
-def _fresh_task(request: PlanRequest, duration: float, way: float) -> Task:
-    spread = pacing(request, request.start.v, duration, way)
-    origin, (last, end) = departure(request, spread.pace), arrival(request, spread.pace)
-    law = ramps(duration, spread.ramp, origin.share, origin.slope, last)
-    return prepare(request, law, (origin.end, end), way)
+def _durations(request: PlanRequest, way: float) -> list[float]:
+    """Times for a way, over that at full speed with full acceleration at its ends."""
+    a, ends = request.limits.v_rate, (request.start.v, request.goal_speed)
+    v = min(_greatest_speed(request), max((way * a) ** 0.5, *ends))
+    least = way / v + sum((v - end) ** 2 / (2.0 * a * v) for end in ends)
+    return [factor * least for factor in DURATIONS]
 
 
-def _fresh(request: PlanRequest, duration: float, ways: tuple[PlannedPath, ...]) -> Attempt:
-    """The plan of a duration, from the cheapest curve, or else from ways by arcs."""
-    task = _fresh_task(request, duration, length(ways[0]))
-    return search(task, _stages(task, ways))
-
-
-def _stages(task: Task, ways: tuple[PlannedPath, ...]) -> Iterator[list[Array]]:
-    yield [task.straightest]
-    yield [driven(way, task.shares_of_way) for way in ways[:_WAYS]]
-
-
-def _shortened(found: Attempt, way: float, times: list[float]) -> Attempt:
-    """The same way in the shortest of some durations, the last one tried first."""
-    for time in reversed(times):
-        task = _fresh_task(found.task.request, time, way)
-        shorter = solve(task, task.guess(found.positions[:, ::FINER]))
-        if not shorter.keeps:
-            break
-        found = shorter
-    return found
-
-
-def _renewed(request: PlanRequest, old: SplinePlan, since: float, duration: float) -> Attempt:
-    """The old way in a duration; if it does not do, a search that starts from it."""
-    s0, s1 = old.law.at(np.array([since, old.duration]))[0]
-    task = _renewed_task(request, old, since, duration)
-    on_way = old.derivatives(s0 + task.shares_of_way * (s1 - s0))[0]
-    old_way = seen_from(request.start.pose, on_way)
-    kept = solve(task, task.guess(old_way))
-    if kept.keeps:
-        return kept
-    return search(task, ([old_way], [task.straightest]))
-
-
-def _renewed_task(request: PlanRequest, old: SplinePlan, since: float, duration: float) -> Task:
-    """A task that starts as the old plan goes on; in the time it has left, by its own law."""
-    origin, law = departure_from(old, since), old.law.rest(since)
-    way, pace = _left(old, since)
-    last, end = arrival(request, pace)
-    if duration != law.duration or not isclose(last, law.paces[-1], abs_tol=1e-6):
-        spread = pacing(request, request.start.v, duration, way)
-        last, end = arrival(request, spread.pace)
-        law = ramps(duration, spread.ramp, origin.share, origin.slope, last)
-    return prepare(request, law, (origin.end, end), way)
-
-
-def _left(plan: SplinePlan, since: float) -> tuple[float, float]:
-    """Length of the rest of a plan's curve [m], and the pace at its end [m/s]."""
-    s0, s1 = plan.law.at(np.array([since, plan.duration]))[0]
-    paces = np.hypot(*plan.derivatives(np.linspace(s0, s1, FINER * plan.resolution.nodes))[1])
-    return float(paces.mean() * (s1 - s0)), float(paces[-1])
+def _greatest_speed(request: PlanRequest) -> float:
+    return min([request.limits.v, *(place.wheel_speed for place in request.places)])

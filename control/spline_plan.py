@@ -1,33 +1,22 @@
-"""A plan that was found: a spline along a time law, with what it leaves of every limit."""
+"""A plan that was found: a spline along a time law."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from math import atan2, inf, pi
+from math import atan2, cos, inf, pi, sin
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from control.flatness import leader_rows, shape
+from control.actuation import require_finite
+from control.flatness import in_time, motion
 from control.motion_model import Array
+from control.obstacles import Obstacle
 from control.plan import PlannedMotion
-from control.plan_problem import knots, read_only
-from control.plan_request import Resolution
+from control.plan_curves import End, spline_basis
 from control.time_law import TimeLaw
 from control.unicycle import UnicycleState
 
-
-@dataclass(frozen=True, slots=True)
-class Margin:
-    """How close a plan comes to one of its constraints.
-
-    Attributes:
-        name: of the constraint.
-        value: a share of a limit, at most 1 [1]; or a distance beyond the wanted one [m].
-        t: when, on the mission's clock [s].
-    """
-
-    name: str
-    value: float
-    t: float
+_FINE = 401  # places along a plan at which headings and distances are taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,44 +28,34 @@ class SplinePlan:
 
     Attributes:
         control_points: (c, 2) of the clamped spline P, on the floor [m]; read-only.
+        degree: of the spline.
         law: S.
-        resolution: degree of the spline, and the nodes at which it was collocated.
         heading: at the start, not wrapped [rad].
         t_start: on the mission's clock [s].
-        shares: of every limit, the greatest that the plan uses [1].
-        gaps: to every obstacle and border, the least beyond the clearance [m].
     """
 
     control_points: Array
+    degree: int
     law: TimeLaw
-    resolution: Resolution
     heading: float
     t_start: float
-    shares: tuple[Margin, ...] = ()
-    gaps: tuple[Margin, ...] = ()
     _curves: tuple[BSpline, ...] = field(init=False, repr=False)
     _headings: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        read_only(self.control_points)
-        breaks = knots(self.law, self.resolution)
-        curve = BSpline(breaks, self.control_points, self.resolution.degree)
+        self.control_points.flags.writeable = False
+        knots = spline_basis(self.degree, len(self.control_points), self.law.end).t
+        curve = BSpline(knots, self.control_points, self.degree)
         object.__setattr__(self, "_curves", tuple(curve.derivative(i) for i in range(4)))
-        s = np.linspace(0.0, breaks[-1], 10 * self.resolution.nodes)
-        along = self._curves[1](s)
-        headings = np.unwrap(np.arctan2(along[:, 1], along[:, 0]))
-        turns = round((self.heading - headings[0]) / (2.0 * pi))
-        object.__setattr__(self, "_headings", (s, headings + 2.0 * pi * turns))
+        s = np.linspace(0.0, self.law.end, _FINE)
+        x, y = self._curves[1](s).T
+        headings = np.unwrap([self.heading, *np.arctan2(y, x)])[1:]
+        object.__setattr__(self, "_headings", (s, headings))
 
     @property
-    def duration(self) -> float:
-        """Time from start to goal [s]."""
-        return self.law.duration
-
-    @property
-    def clearance(self) -> float:
-        """Least distance to an obstacle or border beyond the clearance; inf without any [m]."""
-        return min((gap.value for gap in self.gaps), default=inf)
+    def t_end(self) -> float:
+        """When the goal is reached, on the mission's clock [s]."""
+        return self.t_start + self.law.duration
 
     def at(self, t: float) -> PlannedMotion:
         """Wanted motion at a time, in closed form.
@@ -87,44 +66,66 @@ class SplinePlan:
         Returns:
             Wanted state and accelerations; v >= 0, the heading is not wrapped.
         """
-        law, (p, p1, p2, p3) = self._along(np.array([t]))
-        v, omega, v_rate, omega_rate = leader_rows(shape(p1, p2, p3), law)[:, 0, 0].tolist()
-        if t > self.t_start + self.duration:
+        s, pace, slope = self.law.at(np.array([t - self.t_start]))
+        p, p1, p2, p3 = self._derivatives(s)
+        v, omega, v_rate, omega_rate = in_time(motion(p1, p2, p3), pace, slope)[:, 0].tolist()
+        further = max(t - self.t_end, 0.0)
+        if further > 0.0:
             omega, v_rate, omega_rate = 0.0, 0.0, 0.0
-        x, y = p[:, 0].tolist()
-        theta = self._unwrapped(atan2(p1[1, 0], p1[0, 0]), float(law[0, 0]))
+        x, y = (p + further * pace * p1)[:, 0].tolist()
+        theta = self._unwrapped(atan2(p1[1, 0], p1[0, 0]), float(s[0]))
         return PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
 
-    def positions(self, t: Array) -> Array:
-        """Wanted positions at many times.
+    def way(self, t: float, times: int) -> Array:
+        """Positions at even times from a time to the end.
 
         Args:
-            t: (n,) times on the mission's clock [s].
+            t: the first time, on the mission's clock [s].
+            times: how many.
 
         Returns:
-            (2, n) positions on the floor [m].
+            (2, times) positions on the floor [m].
         """
-        positions: Array = self._along(t)[1][0]
-        return positions
+        since = np.linspace(t, self.t_end, times) - self.t_start
+        return self._derivatives(self.law.at(since)[0])[0]
 
-    def derivatives(self, s: Array) -> Array:
-        """The curve and its derivatives for S.
+    def end_at(self, t: float) -> End:
+        """What a curve must start with to go on from this one without a jump.
 
         Args:
-            s: (n,) places on the curve, from 0 to S at the end [s].
+            t: from start to end, on the mission's clock [s].
 
         Returns:
-            (4, 2, n): P, P', P'', P''' [m, m/s, m/s^2, m/s^3].
+            The pose, and of P', P'', P''' what velocities and accelerations depend on.
         """
+        state = self.at(t).state
+        c, s = cos(state.theta), sin(state.theta)
+        x, y = self._derivatives(self.law.at(np.array([t - self.t_start]))[0])[1:, :, 0].T
+        along, left = (c * x + s * y).tolist(), (c * y - s * x).tolist()
+        return End(state.pose, tuple(along[:2]), tuple(left))
+
+    def clearance(self, t: float, obstacles: Iterable[Obstacle]) -> float:
+        """How close the rest of the plan comes to obstacles: too close is time to replan.
+
+        Args:
+            t: now, on the mission's clock [s].
+            obstacles: as they are now.
+
+        Returns:
+            The least distance of the leader from an edge until the plan's end; inf without any [m].
+
+        Raises:
+            ControlError: if t is not finite.
+        """
+        require_finite("time", t)
+        since = np.linspace(0.0, max(self.t_end - t, 0.0), _FINE)
+        way = self.way(t, _FINE)
+        gaps = (float(np.hypot(*o.apart(way, since)).min()) - o.radius for o in obstacles)
+        return min(gaps, default=inf)
+
+    def _derivatives(self, s: Array) -> Array:
+        """(4, 2, n) P and its derivatives."""
         return np.array([curve(s).T for curve in self._curves])
-
-    def _along(self, t: Array) -> tuple[Array, Array]:
-        """(4, n) S and (4, 2, n) the curve, with derivatives; straight on behind the end."""
-        since = t - self.t_start
-        law = self.law.at(np.clip(since, 0.0, self.duration))
-        curve = self.derivatives(law[0])
-        curve[0] += np.maximum(since - self.duration, 0.0) * law[1] * curve[1]
-        return law, curve
 
     def _unwrapped(self, heading: float, s: float) -> float:
         """The heading with the turns that the curve has made so far."""

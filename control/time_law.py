@@ -1,7 +1,7 @@
-"""Time laws: how far along its curve a plan is at a time, so that the curve stays regular at rest.
+"""Time laws: how far along its curve a plan is at a time.
 
-A plan is p(t) = P(S(t)). The curve P never stands still, so its heading and curvature are defined
-everywhere; S' is a share of the curve's own pace: 0 at a standstill, 1 on the way.
+A plan is p(t) = P(S(t)). At a standstill p has no direction, so P never stands still: S' falls to
+0 instead, and heading and curvature are those of P. On the way S' is 1.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +14,7 @@ from control.motion_model import Array
 
 @dataclass(frozen=True, slots=True)
 class TimeLaw:
-    """S' as cubics between breaks; what is left of a cubic is a cubic, which replanning needs.
+    """S' as cubics between breaks.
 
     Attributes:
         times: of the breaks, from 0 to the duration [s].
@@ -36,20 +36,26 @@ class TimeLaw:
         """Where the law ends [s]."""
         return self.times[-1]
 
+    @property
+    def end(self) -> float:
+        """S at the end [s]."""
+        return float(self._way(self.duration))
+
     def at(self, t: Array) -> Array:
-        """S and its derivatives.
+        """S and its derivatives; those of the ends outside the law.
 
         Args:
-            t: (n,) times, 0 to the duration [s].
+            t: (n,) times [s].
 
         Returns:
-            (4, n): S, S', S'', S''' [s, 1, 1/s, 1/s^2].
+            (3, n): S, S', S'' [s, 1, 1/s].
         """
-        s, pace, slope, bend = (self._way(t, order) for order in range(4))
-        return np.array([s, np.maximum(pace, 0.0), slope, bend])  # a standstill is exactly 0
+        inside = t.clip(0.0, self.duration)
+        s, pace, slope = (self._way(inside, order) for order in range(3))
+        return np.array([s.clip(0.0, self.end), pace.clip(0.0, 1.0), slope])
 
     def rest(self, t: float) -> "TimeLaw":
-        """What is left of the law after a time, on a clock of its own.
+        """What is left of the law after a time: what is left of a cubic is a cubic.
 
         Args:
             t: 0 <= t < duration [s].
@@ -57,17 +63,14 @@ class TimeLaw:
         Returns:
             The same S' from t on.
         """
-        _, pace, slope, _ = self.at(np.array([t]))[:, 0].tolist()
-        later = [i for i, at in enumerate(self.times) if at > t]
-        return TimeLaw(
-            (0.0, *(self.times[i] - t for i in later)),
-            (pace, *(self.paces[i] for i in later)),
-            (slope, *(self.slopes[i] for i in later)),
-        )
+        _, pace, slope = self.at(np.array([t]))[:, 0].tolist()
+        later = sum(at <= t for at in self.times)
+        times = tuple(at - t for at in self.times[later:])
+        return TimeLaw((0.0, *times), (pace, *self.paces[later:]), (slope, *self.slopes[later:]))
 
 
 def ramps(duration: float, ramp: float, first: float, slope: float, last: float) -> TimeLaw:
-    """A law that leaves one pace, holds the curve's own, and ends in another one.
+    """A law that leaves one pace, holds 1, and ends in another one.
 
     Args:
         duration: > 0 [s].
@@ -77,7 +80,7 @@ def ramps(duration: float, ramp: float, first: float, slope: float, last: float)
         last: S' at the end, 0 to 1 [1].
 
     Returns:
-        The law; its first ramp is shortened where the slope would lead it beyond 0 or 1.
+        The law; its first ramp is shorter where the slope would lead it beyond 0 or 1.
     """
     room = 3.0 * (1.0 - first if slope > 0.0 else first)  # of a monotone cubic
     start = ramp if abs(slope) * ramp <= room else room / abs(slope)

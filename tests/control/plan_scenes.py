@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 AT_REST = UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0)
 LIMITS = LeaderLimits(v=0.8, omega=3.0, v_rate=1.5, omega_rate=15.0)
 PLACES = tuple(
-    FollowerPlace(-0.14, side * 0.14, 1.2, 6.0, wheel_speed=1.0, track_width=0.07)
+    FollowerPlace(-0.14, side * 0.14, wheel_speed=1.0, track_width=0.07)
     for side in (1.0, -1.0)
 )
 IN_THE_WAY = Obstacle(1.0, 0.05, 0.1)
@@ -43,7 +43,7 @@ TWO = replace(
     goal=Pose2D(3.0, 0.0, 0.0),
     duration=7.0,
     obstacles=(IN_THE_WAY, Obstacle(2.0, -0.15, 0.1)),
-    arena=Arena(Pose2D(1.5, 0.0, 0.0), 4.2, 2.4),
+    arena=Arena(-0.6, 3.6, -1.2, 1.2),
 )
 HAIRPIN = replace(CROSSED, goal=Pose2D(0.0, 1.0, np.pi), obstacles=(), duration=None)
 BEHIND = replace(BLOCKED, goal=Pose2D(-0.8, 0.2, 0.5), obstacles=(), duration=None)

@@ -1,0 +1,98 @@
+"""The curves a plan can have: clamped B-splines between two ends, as best + directions w."""
+
+from dataclasses import dataclass
+from math import cos, sin
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.linalg import cholesky, qr, solve_triangular
+
+from control.geometry import Pose2D
+from control.motion_model import Array
+
+_FINE = 401  # places at which the cost is summed
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """What is fixed where a curve P(S) starts or ends.
+
+    Attributes:
+        pose: position, and the heading that derivatives are seen from [m, m, rad].
+        along: P', P'', ... along the heading, as many as are fixed [m/s, m/s^2, ...].
+        left: the same to its left [m/s, m/s^2, ...].
+    """
+
+    pose: Pose2D
+    along: tuple[float, ...]
+    left: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """All curves between two ends: control points = best + directions w, cost = const. + |w|^2.
+
+    Attributes:
+        best: (2, c) control points of the cheapest curve that only the ends constrain [m].
+        directions: (2, c, m) of the free variables w [m].
+    """
+
+    best: Array
+    directions: Array
+
+
+def spline_basis(degree: int, count: int, end: float) -> BSpline:
+    """Basis functions of a clamped spline with even knots.
+
+    Args:
+        degree: of the spline.
+        count: c, number of control points.
+        end: of the spline, which starts at 0 [s].
+
+    Returns:
+        A spline with c components, one for each control point.
+    """
+    inner = np.linspace(0.0, end, count - degree + 1)
+    knots = np.concatenate((np.zeros(degree), inner, np.full(degree, end)))
+    return BSpline(knots, np.eye(count), degree)
+
+
+def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> Curves:
+    """The curves between two ends: the ends eliminated, the cost made a plain square.
+
+    The cost is the integral of |P'''|^2, over what the way takes from rest to rest.
+
+    Args:
+        ends: of the curve.
+        spline: its basis functions.
+        length: of the way, roughly [m].
+
+    Returns:
+        The curves.
+    """
+    count, end = len(spline.c), float(spline.t[-1])
+    places = zip(ends, (0.0, end), strict=True)
+    fixed = [row for what, at in places for row in _fixed(what, spline, at)]
+    rows, values = np.array([row for row, _ in fixed]), np.array([value for _, value in fixed])
+    whole, upper = qr(rows.T)
+    bound, free = whole[:, : len(values)], whole[:, len(values) :]
+    best = bound @ solve_triangular(upper[: len(values)], values, trans="T")
+    scale = (end**6 / (720.0 * length**2 * _FINE)) ** 0.5
+    third = scale * spline(np.linspace(0.0, end, _FINE), 3)
+    weight = np.kron(np.eye(2), third.T @ third)
+    root = cholesky(free.T @ weight @ free, lower=True)
+    directions = solve_triangular(root, free.T, lower=True).T
+    best = best - directions @ (directions.T @ weight @ best)
+    return Curves(best.reshape(2, count), directions.reshape(2, count, -1))
+
+
+def _fixed(end: End, spline: BSpline, at: float) -> list[tuple[Array, float]]:
+    """Rows and values of what an end fixes, on x and y of the control points."""
+    c, s = cos(end.pose.theta), sin(end.pose.theta)
+    place = [((1.0, 0.0), 0, end.pose.x), ((0.0, 1.0), 0, end.pose.y)]
+    along = [((c, s), order, value) for order, value in enumerate(end.along, 1)]
+    left = [((-s, c), order, value) for order, value in enumerate(end.left, 1)]
+    return [
+        (np.kron(direction, spline(at, order)), value)
+        for direction, order, value in (*place, *along, *left)
+    ]
