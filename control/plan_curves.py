@@ -10,7 +10,7 @@ from scipy.linalg import cholesky, qr, solve_triangular
 from control.geometry import Pose2D
 from control.motion_model import Array
 
-_FINE = 401  # places at which the cost is summed
+_FINE = 400  # places at which the cost is summed
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +78,7 @@ def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> Cur
     bound, free = whole[:, : len(values)], whole[:, len(values) :]
     best = bound @ solve_triangular(upper[: len(values)], values, trans="T")
     scale = (end**6 / (720.0 * length**2 * _FINE)) ** 0.5
-    third = scale * spline(np.linspace(0.0, end, _FINE), 3)
+    third = scale * spline((np.arange(_FINE) + 0.5) * (end / _FINE), 3)
     weight = np.kron(np.eye(2), third.T @ third)
     root = cholesky(free.T @ weight @ free, lower=True)
     directions = solve_triangular(root, free.T, lower=True).T

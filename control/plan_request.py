@@ -13,7 +13,7 @@ SHORTEST_WAY = 1e-3
 """A goal closer to the start than this is no goal: plans do not turn on the spot [m]."""
 
 REST = 1e-6
-"""Speeds below this are a standstill [m/s]."""
+"""Speeds below this have no direction [m/s]."""
 
 _ROUNDING = 1e-4  # a plan starts from where another one is, within its accuracy [1, m]
 
@@ -90,8 +90,8 @@ class PlanRequest:
         arena: None is an unbounded floor.
         limits: of the leader.
         places: of the followers.
-        degree: of the B-spline, at least 5.
-        control_points: of the B-spline, at least 10 and more than the degree.
+        degree: of the B-spline, at least 4: angular accelerations are continuous.
+        control_points: of the B-spline, at least 8 and degree + 3.
         nodes: evenly spaced times of collocation, at least 2 per control point.
 
     Raises:
@@ -127,9 +127,9 @@ def _require_sizes(request: PlanRequest) -> None:
     if request.duration is not None and not 0.0 < request.duration < inf:
         raise ControlError(f"the duration of a plan must be > 0 s, got {request.duration:g} s")
     degree, points, nodes = request.degree, request.control_points, request.nodes
-    if degree < 5 or points < max(10, degree + 1) or nodes < 2 * points:
+    if degree < 4 or points < max(8, degree + 3) or nodes < 2 * points:
         raise ControlError(
-            "a plan needs degree >= 5, control points >= 10 and > degree, twice as many nodes, "
+            "a plan needs degree >= 4, control points >= 8 and degree + 3, twice as many nodes, "
             f"got {degree}, {points}, {nodes}"
         )
     way = hypot(request.goal.x - request.start.x, request.goal.y - request.start.y)
@@ -147,7 +147,7 @@ def _require_drivable(request: PlanRequest) -> None:
             f"plans drive forwards, got {start.v:g} m/s at the start and "
             f"{request.goal_speed:g} m/s at the goal; stop or turn round first"
         )
-    if start.v < REST and abs(start.omega) > REST:
+    if start.v < REST < abs(start.omega):
         raise ControlError(
             f"a plan from a standstill starts with omega 0, got {start.omega:g} rad/s; "
             "plan from the planned state, not from the seen one"

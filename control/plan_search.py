@@ -112,7 +112,7 @@ def _peaks(shares: Array) -> NDArray[np.bool_]:
 
 def _slsqp(problem: Problem, chosen: NDArray[np.bool_], guess: Array) -> Array:
     """Variables of least cost within the chosen shares, or where SLSQP gave up."""
-    times: NDArray[np.bool_] = chosen.any(axis=0)
+    times = np.asarray(chosen.any(axis=0))
     at_times, rows = problem.at(times), chosen[:, times]
     rows &= np.abs(at_times.jacobian(guess)).max(axis=2) > _FIXED
     found = minimize(

@@ -17,6 +17,7 @@ import numpy as np
 
 from control.detours import arc_ways, detours, driven, length
 from control.errors import ControlError
+from control.geometry import Pose2D
 from control.motion_model import Array
 from control.plan import PlannedPath
 from control.plan_curves import End
@@ -69,17 +70,18 @@ def replan(old: SplinePlan, t: float, request: PlanRequest) -> SplinePlan:
             the old plan at t.
 
     Returns:
-        The new plan, from t on; the old one if that has reached the goal's place.
+        The new plan, from t on; the old one if that has reached the goal.
 
     Raises:
         ControlError: if t lies before the old plan, or no plan was found.
     """
     if not old.t_start <= t < inf:
         raise ControlError(f"a plan that starts at {old.t_start:g} s cannot be left at {t:g} s")
-    start = old.at(t).state
-    if hypot(request.goal.x - start.x, request.goal.y - start.y) < SHORTEST_WAY:
+    here, (end,) = old.at(t).state, old.way(old.t_end, 1).T
+    left, off = (hypot(request.goal.x - x, request.goal.y - y) for x, y in ((here.x, here.y), end))
+    if off < SHORTEST_WAY and (t >= old.t_end or left < SHORTEST_WAY):
         return old
-    request = replace(request, start=start, t_start=t)
+    request = replace(request, start=here, t_start=t)
     if t >= old.t_end:
         return plan(request)
     require_room(request)
@@ -107,11 +109,10 @@ def _fresh(request: PlanRequest, duration: float, ways: list[PlannedPath]) -> At
     """The cheapest plan of a duration, round what is on ways by arcs."""
     start, way = request.start, length(ways[0])
     ramp, pace = _pacing(request, duration, way, start.v * duration / way)
-    u = max(start.v, pace)
-    law = ramps(duration, ramp, start.v / u, 0.0, _last(request, pace))
+    law = ramps(duration, ramp, _share(start.v, pace), 0.0, _share(request.goal_speed, pace))
     curvature = start.omega / start.v if start.v > REST else 0.0
-    begin = End(start.pose, (u,), (0.0, curvature * u**2))
-    task = problem(request, (begin, _arrival(request, pace)), law, way)
+    ends = _end(start.pose, start.v, pace, curvature), _end(request.goal, request.goal_speed, pace)
+    task = problem(request, ends, law, way)
     passed = law.at(task.t[::FINER])[0] / law.end
     return search(task, [r for w in ways for r in _round(task, driven(w, passed))])
 
@@ -133,11 +134,12 @@ def _renewed(request: PlanRequest, old: SplinePlan, t: float, duration: float) -
     pace, last = way / law.end, law.paces[-1]
     if duration != law.duration or (last > 0.0) != (request.goal_speed > 0.0):
         ramp, pace = _pacing(request, duration, way, law.paces[0])
-        last = _last(request, pace)
+        last = _share(request.goal_speed, pace)
         law = ramps(duration, ramp, law.paces[0], law.slopes[0], last)
     elif last > 0.0:
         pace = request.goal_speed / last
-    return problem(request, (old.end_at(t), _arrival(request, pace)), law, way)
+    ends = old.end_at(t), _end(request.goal, request.goal_speed, pace)
+    return problem(request, ends, law, way)
 
 
 def _pacing(request: PlanRequest, duration: float, way: float, first: float) -> tuple[float, float]:
@@ -149,15 +151,15 @@ def _pacing(request: PlanRequest, duration: float, way: float, first: float) -> 
     return ramp, way / (duration - 0.5 * lost * ramp)
 
 
-def _last(request: PlanRequest, pace: float) -> float:
-    """S' at the goal."""
-    return request.goal_speed / max(request.goal_speed, pace)
+def _share(v: float, pace: float) -> float:
+    """S' at an end."""
+    return v / max(v, pace)
 
 
-def _arrival(request: PlanRequest, pace: float) -> End:
-    """Straight on; at a steady speed if it is one."""
-    u = max(request.goal_speed, pace)
-    return End(request.goal, (u, 0.0) if request.goal_speed > 0.0 else (u,), (0.0, 0.0))
+def _end(pose: Pose2D, v: float, pace: float, curvature: float = 0.0) -> End:
+    """An end that is driven through steadily, or a standstill, which asks for less."""
+    u = max(v, pace)
+    return End(pose, (u, 0.0) if v > 0.0 else (u,), (0.0, curvature * u**2))
 
 
 def _round(task: Problem, way: Array) -> list[Array]:

@@ -66,13 +66,11 @@ class SplinePlan:
         Returns:
             Wanted state and accelerations; v >= 0, the heading is not wrapped.
         """
-        s, pace, slope = self.law.at(np.array([t - self.t_start]))
-        p, p1, p2, p3 = self._derivatives(s)
+        (s, pace, slope), (p, p1, p2, p3) = self._along(np.array([t]))
         v, omega, v_rate, omega_rate = in_time(motion(p1, p2, p3), pace, slope)[:, 0].tolist()
-        further = max(t - self.t_end, 0.0)
-        if further > 0.0:
+        if t > self.t_end:
             omega, v_rate, omega_rate = 0.0, 0.0, 0.0
-        x, y = (p + further * pace * p1)[:, 0].tolist()
+        x, y = p[:, 0].tolist()
         theta = self._unwrapped(atan2(p1[1, 0], p1[0, 0]), float(s[0]))
         return PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
 
@@ -80,14 +78,14 @@ class SplinePlan:
         """Positions at even times from a time to the end.
 
         Args:
-            t: the first time, on the mission's clock [s].
+            t: the first time, and the only one behind the end, on the mission's clock [s].
             times: how many.
 
         Returns:
             (2, times) positions on the floor [m].
         """
-        since = np.linspace(t, self.t_end, times) - self.t_start
-        return self._derivatives(self.law.at(since)[0])[0]
+        way: Array = self._along(np.linspace(t, max(t, self.t_end), times))[1][0]
+        return way
 
     def end_at(self, t: float) -> End:
         """What a curve must start with to go on from this one without a jump.
@@ -100,7 +98,7 @@ class SplinePlan:
         """
         state = self.at(t).state
         c, s = cos(state.theta), sin(state.theta)
-        x, y = self._derivatives(self.law.at(np.array([t - self.t_start]))[0])[1:, :, 0].T
+        x, y = self._along(np.array([t]))[1][1:, :, 0].T
         along, left = (c * x + s * y).tolist(), (c * y - s * x).tolist()
         return End(state.pose, tuple(along[:2]), tuple(left))
 
@@ -123,9 +121,12 @@ class SplinePlan:
         gaps = (float(np.hypot(*o.apart(way, since)).min()) - o.radius for o in obstacles)
         return min(gaps, default=inf)
 
-    def _derivatives(self, s: Array) -> Array:
-        """(4, 2, n) P and its derivatives."""
-        return np.array([curve(s).T for curve in self._curves])
+    def _along(self, t: Array) -> tuple[Array, Array]:
+        """(3, n) S and (4, 2, n) P, with derivatives; straight on behind the end."""
+        law = self.law.at(t - self.t_start)
+        curve = np.array([derivative(law[0]).T for derivative in self._curves])
+        curve[0] += (t - self.t_end).clip(0.0) * law[1] * curve[1]
+        return law, curve
 
     def _unwrapped(self, heading: float, s: float) -> float:
         """The heading with the turns that the curve has made so far."""

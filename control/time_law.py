@@ -52,7 +52,8 @@ class TimeLaw:
         """
         inside = t.clip(0.0, self.duration)
         s, pace, slope = (self._way(inside, order) for order in range(3))
-        return np.array([s.clip(0.0, self.end), pace.clip(0.0, 1.0), slope])
+        pace = np.where(inside < self.duration, pace.clip(0.0, 1.0), self.paces[-1])
+        return np.array([s.clip(0.0, self.end), pace, slope])
 
     def rest(self, t: float) -> "TimeLaw":
         """What is left of the law after a time: what is left of a cubic is a cubic.

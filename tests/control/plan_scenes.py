@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.geometry import Pose2D, compose
-from control.obstacles import Arena, Obstacle
+from control.obstacles import Obstacle
 from control.plan_request import FollowerPlace, LeaderLimits, PlanRequest
 from control.spline_plan import SplinePlan
 from control.unicycle import UnicycleState
@@ -17,8 +17,7 @@ Array = NDArray[np.float64]
 AT_REST = UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0)
 LIMITS = LeaderLimits(v=0.8, omega=3.0, v_rate=1.5, omega_rate=15.0)
 PLACES = tuple(
-    FollowerPlace(-0.14, side * 0.14, wheel_speed=1.0, track_width=0.07)
-    for side in (1.0, -1.0)
+    FollowerPlace(-0.14, side * 0.14, wheel_speed=1.0, track_width=0.07) for side in (1.0, -1.0)
 )
 IN_THE_WAY = Obstacle(1.0, 0.05, 0.1)
 BLOCKED = PlanRequest(
@@ -43,15 +42,14 @@ TWO = replace(
     goal=Pose2D(3.0, 0.0, 0.0),
     duration=7.0,
     obstacles=(IN_THE_WAY, Obstacle(2.0, -0.15, 0.1)),
-    arena=Arena(-0.6, 3.6, -1.2, 1.2),
 )
 HAIRPIN = replace(CROSSED, goal=Pose2D(0.0, 1.0, np.pi), obstacles=(), duration=None)
 BEHIND = replace(BLOCKED, goal=Pose2D(-0.8, 0.2, 0.5), obstacles=(), duration=None)
 
 
 def times(plan: SplinePlan, intervals: int = 400) -> Array:
-    """Even times from start to goal; the default is ten times as fine as the nodes [s]."""
-    return plan.t_start + np.linspace(0.0, plan.duration, intervals + 1)
+    """Even times from start to goal [s]."""
+    return np.linspace(plan.t_start, plan.t_end, intervals + 1)
 
 
 def motions(plan: SplinePlan, at: Array) -> Array:
@@ -69,7 +67,7 @@ def follower_motion(plan: SplinePlan, at: Array, place: FollowerPlace) -> tuple[
     The direction comes from the place's velocity (v - omega y, omega x) in the leader's frame,
     its turning rate from central differences.
     """
-    h = 1e-6 * plan.duration
+    h = 1e-6 * plan.law.duration
     ends = []
     for t in (at - h, at + h):
         _, _, theta, v, omega, _, _ = motions(plan, t)
@@ -79,6 +77,13 @@ def follower_motion(plan: SplinePlan, at: Array, place: FollowerPlace) -> tuple[
     return np.hypot(v - omega * place.y, omega * place.x), turn / (2.0 * h)
 
 
+def wheels(plan: SplinePlan, at: Array, place: FollowerPlace) -> Array:
+    """Rim speed of the faster wheel of a follower that drives along its place's way [m/s]."""
+    speed, turn = follower_motion(plan, at, place)
+    faster: Array = speed + 0.5 * place.track_width * np.abs(turn)
+    return faster
+
+
 def least_clearance(plan: SplinePlan, request: PlanRequest, at: Array) -> float:
     """Least distance of the leader to an obstacle's edge [m]."""
     x, y, *_ = motions(plan, at)
@@ -86,6 +91,24 @@ def least_clearance(plan: SplinePlan, request: PlanRequest, at: Array) -> float:
         hypot(px - o.x - t * o.vx, py - o.y - t * o.vy) - o.radius
         for o in request.obstacles
         for px, py, t in zip(x, y, at - plan.t_start, strict=True)
+    )
+
+
+def random_request(rng: np.random.Generator) -> PlanRequest:
+    """One obstacle near the way to a goal further on, with time for it."""
+    way, turn, end, share = rng.uniform((1.5, -0.5, -0.5, 0.35), (3.0, 0.5, 0.5, 0.65))
+    goal = Pose2D(way * cos(turn), way * sin(turn), 2.0 * turn + end)
+    x, y, radius = rng.uniform((-0.2, -0.2, 0.05), (0.2, 0.2, 0.15))
+    obstacle = Obstacle(share * goal.x + x, share * goal.y + y, radius)
+    speeds = rng.choice([0.0, 0.3], 2)
+    return replace(
+        BLOCKED,
+        start=UnicycleState(0.0, 0.0, 0.0, speeds[0], 0.0),
+        goal=goal,
+        goal_speed=speeds[1],
+        duration=way / rng.uniform(0.3, 0.45),
+        obstacles=(obstacle,),
+        clearance=0.25,
     )
 
 
@@ -102,7 +125,7 @@ def moved(request: PlanRequest, frame: Pose2D, mirror: float) -> PlanRequest:
         c, s, vy = cos(frame.theta), sin(frame.theta), mirror * o.vy
         return Obstacle(at.x, at.y, o.radius, c * o.vx - s * vy, s * o.vx + c * vy)
 
-    s, arena = request.start, request.arena
+    s = request.start
     start = placed(s.pose, frame, mirror)
     return replace(
         request,
@@ -110,5 +133,4 @@ def moved(request: PlanRequest, frame: Pose2D, mirror: float) -> PlanRequest:
         goal=placed(request.goal, frame, mirror),
         obstacles=tuple(map(obstacle, request.obstacles)),
         places=tuple(replace(p, y=mirror * p.y) for p in request.places),
-        arena=arena and replace(arena, center=placed(arena.center, frame, mirror)),
     )

@@ -1,7 +1,7 @@
 """The loop closed over a plan: the leader tracks it, followers hold rigid places, wheels can."""
 
 from dataclasses import replace
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 
 import numpy as np
 
@@ -62,7 +62,8 @@ class WatchedWorld(SmallWorld):
             rims = wheels_from_twist(s.twist, TRACK)
             self.wheels = max(self.wheels, abs(rims.left), abs(rims.right))
             x, y = s.x + CAMERA_OFFSET * cos(s.theta), s.y + CAMERA_OFFSET * sin(s.theta)
-            self.nearest = min(self.nearest, obstacle.distance(x, y, t))
+            gap = hypot(x - obstacle.x, y - obstacle.y) - obstacle.radius
+            self.nearest = min(self.nearest, gap)
 
 
 def driven(found: SplinePlan) -> tuple[float, float]:
@@ -70,7 +71,7 @@ def driven(found: SplinePlan) -> tuple[float, float]:
     start = {1: Pose2D(0.0, 0.0, 0.0)}
     for k, place in enumerate(PLACES, 2):
         start[k] = Pose2D(place.x - CAMERA_OFFSET, place.y, 0.0)
-    case = Case(formation(), found, start, found.duration + 1.0, gain_errors=(0.0, 0.0))
+    case = Case(formation(), found, start, found.law.duration + 1.0, gain_errors=(0.0, 0.0))
     return WatchedWorld(replace(case, noise=(1e-4, 1e-3), feed_forward=True)).run_watched()
 
 

@@ -22,12 +22,13 @@ from tests.control.plan_scenes import (
     LIMITS,
     PLACES,
     TWO,
-    follower_motion,
     least_clearance,
     motions,
     moved,
     placed,
+    random_request,
     times,
+    wheels,
 )
 
 SCENES = {
@@ -64,33 +65,49 @@ def test_limits_of_the_leader_are_kept_also_between_the_nodes(name: str) -> None
 def test_followers_can_keep_their_places(name: str) -> None:
     found = planned(name)
     for place in PLACES:
-        speed, turn = follower_motion(found, times(found, 410)[1:-1], place)
-        wheels = speed + 0.5 * place.track_width * np.abs(turn)
-        assert np.abs(turn).max() <= place.turn_limit * 1.001
-        assert wheels.max() <= place.wheel_speed * 1.001
+        rims = wheels(found, times(found, 410)[1:-1], place)
+        assert rims.max() <= place.wheel_speed * 1.001
 
 
 @pytest.mark.parametrize("name", ["blocked", "crossed", "two", "hurried", "late", "long"])
 def test_obstacles_keep_their_distance(name: str) -> None:
     found, request = planned(name), SCENES[name]
-    seen = least_clearance(found, request, times(found, 4100)) - request.clearance
-    assert seen >= -1e-6  # m
-    assert found.clearance == pytest.approx(seen, abs=1e-4)
+    seen = least_clearance(found, request, times(found, 4100))
+    assert seen >= request.clearance - 1e-4  # m
+    assert found.clearance(found.t_start, request.obstacles) == pytest.approx(seen, abs=1e-4)
 
 
 def test_the_arena_is_not_left() -> None:
-    arena = Arena(Pose2D(1.0, 0.3, 0.0), 3.0, 1.6)
-    found = plan(replace(BLOCKED, arena=arena))
+    found = plan(replace(BLOCKED, arena=Arena(-0.5, 2.5, -0.5, 1.1)))
     x, y, *_ = motions(found, times(found))
-    assert y.max() <= 1.1 - BLOCKED.clearance + 1e-9  # m: now it must pass on the left
-    assert y.min() >= -0.5 + BLOCKED.clearance - 1e-9
-    assert x.min() >= -0.5 + BLOCKED.clearance - 1e-9
+    assert y.max() <= 1.1 - BLOCKED.clearance + 1e-4  # m: now it must pass on the left
+    assert y.min() >= -0.5 + BLOCKED.clearance - 1e-4
+    assert x.min() >= -0.5 + BLOCKED.clearance - 1e-4
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 10**6))
+def test_what_is_found_keeps_everything(seed: int) -> None:
+    request = random_request(np.random.default_rng(seed))
+    found = plan(request)
+    at = times(found, 137)
+    _, _, _, v, omega, v_rate, omega_rate = motions(found, at)
+    shares = (
+        v / LIMITS.v,
+        omega / LIMITS.omega,
+        v_rate / LIMITS.v_rate,
+        omega_rate / LIMITS.omega_rate,
+    )
+    assert np.abs(shares).max() <= 1.0 + 1e-4
+    assert least_clearance(found, request, at) >= request.clearance - 1e-4  # m
+    for place in PLACES:
+        assert wheels(found, at[1:-1], place).max() <= place.wheel_speed * 1.001
 
 
 @every_scene
 def test_start_and_goal_are_met(name: str) -> None:
     found, request = planned(name), SCENES[name]
-    first, last = found.at(found.t_start), found.at(found.t_start + found.duration)
+    first, last = found.at(found.t_start), found.at(found.t_end)
     s, g, start, goal = first.state, last.state, request.start, request.goal
     assert hypot(s.x - start.x, s.y - start.y) < 1e-9
     assert hypot(g.x - goal.x, g.y - goal.y) < 1e-6  # m
@@ -106,19 +123,6 @@ def test_the_heading_is_continuous(name: str) -> None:
     assert np.abs(np.diff(theta)).max() < 0.05  # rad
 
 
-@every_scene
-def test_margins_are_those_of_the_motion(name: str) -> None:
-    found = planned(name)
-    _, _, _, v, omega, _, _ = motions(found, times(found))
-    shares = {margin.name: margin for margin in found.shares}
-    assert shares["speed"].value == pytest.approx(v.max() / LIMITS.v, rel=1e-3)
-    assert shares["turning rate"].value == pytest.approx(
-        np.abs(omega).max() / LIMITS.omega, rel=1e-3
-    )
-    at = shares["speed"].t
-    assert found.at(at).state.v / LIMITS.v == pytest.approx(shares["speed"].value)
-
-
 def test_before_its_start_a_plan_waits_and_at_its_goal_it_stands() -> None:
     found = planned("blocked")
     assert found.at(-1.0) == found.at(0.0)
@@ -132,8 +136,6 @@ def test_behind_a_goal_with_a_speed_it_goes_straight_on() -> None:
     after = found.at(8.0).state  # 2 s later at 0.4 m/s
     assert (after.x, after.y) == pytest.approx((2.4 + 0.8 * np.cos(0.4), 0.3 + 0.8 * np.sin(0.4)))
     assert (after.theta, after.v, after.omega) == pytest.approx((0.4, 0.4, 0.0))
-    late = np.array([-1.0, 2.0, 8.0])
-    np.testing.assert_allclose(found.positions(late), motions(found, late)[:2], atol=1e-12)
 
 
 def test_it_takes_the_shorter_side_of_what_is_in_the_straight_way() -> None:
@@ -155,20 +157,19 @@ def test_a_moving_obstacle_is_where_it_will_be_not_where_it_was() -> None:
 
 def test_without_a_duration_it_hurries_as_its_followers_allow() -> None:
     hurried = planned("hurried")
-    assert hurried.duration < BLOCKED.duration
-    assert max(margin.value for margin in hurried.shares) > 0.9
+    assert hurried.law.duration < BLOCKED.duration
     slow = tuple(replace(place, wheel_speed=0.6) for place in PLACES)
-    assert plan(replace(BLOCKED, duration=None, places=slow)).duration > hurried.duration
+    assert plan(replace(BLOCKED, duration=None, places=slow)).law.duration > hurried.law.duration
 
 
 def test_followers_without_authority_would_be_lost() -> None:
     """The same turn planned for the leader alone asks more of a follower's wheels."""
     slow = tuple(replace(place, wheel_speed=0.6) for place in PLACES)
     alone, careful = (plan(replace(HAIRPIN, places=who, duration=3.5)) for who in ((), slow))
-    worst = []
-    for found in (alone, careful):
-        speeds = [follower_motion(found, times(found)[1:-1], place) for place in PLACES]
-        worst.append(max((speed + 0.035 * np.abs(turn)).max() for speed, turn in speeds))
+    worst = [
+        max(wheels(found, times(found)[1:-1], place).max() for place in PLACES)
+        for found in (alone, careful)
+    ]
     assert worst[0] > 0.6 * 1.05  # m/s
     assert worst[1] <= 0.6 * 1.001
 
