@@ -1,4 +1,4 @@
-"""The curves a plan can have: clamped B-splines between two ends, as best + directions w."""
+"""The curves a plan can have: clamped B-splines between two ends, without equations."""
 
 from dataclasses import dataclass
 from math import cos, sin
@@ -9,6 +9,9 @@ from scipy.linalg import cholesky, qr, solve_triangular
 
 from control.geometry import Pose2D
 from control.motion_model import Array
+
+DEGREE = 5
+CONTROL_POINTS = 12
 
 _FINE = 400  # places at which the cost is summed
 
@@ -28,49 +31,34 @@ class End:
     left: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Curves:
-    """All curves between two ends: control points = best + directions w, cost = const. + |w|^2.
-
-    Attributes:
-        best: (2, c) control points of the cheapest curve that only the ends constrain [m].
-        directions: (2, c, m) of the free variables w [m].
-    """
-
-    best: Array
-    directions: Array
-
-
-def spline_basis(degree: int, count: int, end: float) -> BSpline:
+def spline_basis(end: float) -> BSpline:
     """Basis functions of a clamped spline with even knots.
 
     Args:
-        degree: of the spline.
-        count: c, number of control points.
         end: of the spline, which starts at 0 [s].
 
     Returns:
-        A spline with c components, one for each control point.
+        A spline with a component for each of the c control points.
     """
-    inner = np.linspace(0.0, end, count - degree + 1)
-    knots = np.concatenate((np.zeros(degree), inner, np.full(degree, end)))
-    return BSpline(knots, np.eye(count), degree)
+    inner = np.linspace(0.0, end, CONTROL_POINTS - DEGREE + 1)
+    knots = np.concatenate((np.zeros(DEGREE), inner, np.full(DEGREE, end)))
+    return BSpline(knots, np.eye(CONTROL_POINTS), DEGREE)
 
 
-def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> Curves:
-    """The curves between two ends: the ends eliminated, the cost made a plain square.
+def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> tuple[Array, Array]:
+    """All curves between two ends, as control points best + directions w that cost |w|^2 more.
 
     The cost is the integral of |P'''|^2, over what the way takes from rest to rest.
 
     Args:
-        ends: of the curve.
+        ends: of the curves.
         spline: its basis functions.
         length: of the way, roughly [m].
 
     Returns:
-        The curves.
+        The best curve that only the ends constrain (2, c), and directions (2, c, m) [m].
     """
-    count, end = len(spline.c), float(spline.t[-1])
+    end = float(spline.t[-1])
     places = zip(ends, (0.0, end), strict=True)
     fixed = [row for what, at in places for row in _fixed(what, spline, at)]
     rows, values = np.array([row for row, _ in fixed]), np.array([value for _, value in fixed])
@@ -83,7 +71,7 @@ def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> Cur
     root = cholesky(free.T @ weight @ free, lower=True)
     directions = solve_triangular(root, free.T, lower=True).T
     best = best - directions @ (directions.T @ weight @ best)
-    return Curves(best.reshape(2, count), directions.reshape(2, count, -1))
+    return best.reshape(2, -1), directions.reshape(2, CONTROL_POINTS, -1)
 
 
 def _fixed(end: End, spline: BSpline, at: float) -> list[tuple[Array, float]]:

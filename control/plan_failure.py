@@ -26,11 +26,8 @@ def failure(tried: Sequence[Attempt]) -> ControlError:
     attempt = min(tried, key=lambda other: other.excess)
     problem, shares = attempt.problem, attempt.shares
     row, at = (int(i) for i in np.unravel_index(int(shares.argmax()), shares.shape))
-    name, share, (x, y) = (
-        problem.names()[row],
-        float(shares[row, at]),
-        problem.derivatives(attempt.w)[0, :, at],
-    )
+    name, share = problem.names()[row], float(shares[row, at])
+    x, y = problem.derivatives(attempt.w)[0, :, at]
     durations = sorted({other.problem.law.duration for other in tried})
     span = f"{durations[0]:.3g} s"
     if len(durations) > 1:

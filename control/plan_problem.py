@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 
 from control.flatness import in_time, motion, motion_gradient, point_motion
 from control.motion_model import Array
-from control.plan_curves import Curves, End, curves_between, spline_basis
+from control.plan_curves import End, curves_between, spline_basis
 from control.plan_request import PlanRequest
 from control.time_law import TimeLaw
+
+NODES = 41
+"""Even times at which constraints are collocated."""
 
 FINER = 10
 """The constraints are checked at so many times the intervals of the nodes."""
@@ -36,7 +39,7 @@ class Problem:
         request: as asked.
         law: of the time.
         length: of the way, roughly [m].
-        curves: to choose from, by m variables w.
+        curves: to choose from, by m variables w: best (2, c) and directions (2, c, m) [m].
         t: (n,) times since the start [s].
         constant: (4, 2, n) P, P', P'', P''' for w = 0 [m, s].
         linear: (4, 2, n, m) their derivatives for w [m, s].
@@ -45,7 +48,7 @@ class Problem:
     request: PlanRequest
     law: TimeLaw
     length: float
-    curves: Curves
+    curves: tuple[Array, Array]
     t: Array
     constant: Array
     linear: Array
@@ -163,13 +166,13 @@ def problem(request: PlanRequest, ends: tuple[End, End], law: TimeLaw, length: f
     Returns:
         The problem.
     """
-    spline = spline_basis(request.degree, request.control_points, law.end)
-    curves = curves_between(ends, spline, length)
-    t = np.linspace(0.0, law.duration, FINER * (request.nodes - 1) + 1)
+    spline = spline_basis(law.end)
+    best, directions = curves = curves_between(ends, spline, length)
+    t = np.linspace(0.0, law.duration, FINER * (NODES - 1) + 1)
     s = law.at(t)[0]
     basis = np.array([spline(s, order) for order in range(4)])
-    constant = curves.best @ basis.transpose(0, 2, 1)
-    return Problem(request, law, length, curves, t, constant, basis[:, None] @ curves.directions)
+    constant, linear = best @ basis.transpose(0, 2, 1), basis[:, None] @ directions
+    return Problem(request, law, length, curves, t, constant, linear)
 
 
 def _both(name: str, row: Array) -> tuple[Row, Row]:

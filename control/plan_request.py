@@ -90,9 +90,6 @@ class PlanRequest:
         arena: None is an unbounded floor.
         limits: of the leader.
         places: of the followers.
-        degree: of the B-spline, at least 4: angular accelerations are continuous.
-        control_points: of the B-spline, at least 8 and degree + 3.
-        nodes: evenly spaced times of collocation, at least 2 per control point.
 
     Raises:
         ControlError: if a number is not usable, or the start is none that a plan can have.
@@ -108,9 +105,6 @@ class PlanRequest:
     arena: Arena | None = None
     limits: LeaderLimits = LeaderLimits()
     places: tuple[FollowerPlace, ...] = ()
-    degree: int = 5
-    control_points: int = 12
-    nodes: int = 41
 
     def __post_init__(self) -> None:
         s, g = self.start, self.goal
@@ -126,12 +120,6 @@ def _require_sizes(request: PlanRequest) -> None:
         raise ControlError(f"the clearance of a plan must be >= 0 m, got {request.clearance:g} m")
     if request.duration is not None and not 0.0 < request.duration < inf:
         raise ControlError(f"the duration of a plan must be > 0 s, got {request.duration:g} s")
-    degree, points, nodes = request.degree, request.control_points, request.nodes
-    if degree < 4 or points < max(8, degree + 3) or nodes < 2 * points:
-        raise ControlError(
-            "a plan needs degree >= 4, control points >= 8 and degree + 3, twice as many nodes, "
-            f"got {degree}, {points}, {nodes}"
-        )
     way = hypot(request.goal.x - request.start.x, request.goal.y - request.start.y)
     if way < SHORTEST_WAY:
         raise ControlError(

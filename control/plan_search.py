@@ -13,7 +13,7 @@ from control.plan_problem import FINER, Problem
 EXACT = 1e-6
 """A share beyond 1 by less is rounding [1]."""
 
-_RESERVE = 5e-4  # of every share, for what happens between the nodes
+_RESERVE = 1e-3  # of every share, for what happens between the nodes
 _NEAR = 0.3  # SLSQP minds the limits of which a guess uses so much, and those it then exceeds
 _ROUNDS = 6  # of SLSQP, each with the times at which the one before exceeds a limit
 _STEPS = 40  # of SLSQP

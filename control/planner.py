@@ -22,17 +22,18 @@ from control.motion_model import Array
 from control.plan import PlannedPath
 from control.plan_curves import End
 from control.plan_failure import failure
-from control.plan_problem import FINER, Problem, problem
+from control.plan_problem import FINER, NODES, Problem, problem
 from control.plan_request import REST, SHORTEST_WAY, PlanRequest, require_room
 from control.plan_search import Attempt, search
 from control.spline_plan import SplinePlan
-from control.time_law import ramps
+from control.time_law import TimeLaw, ramps
 
 DURATIONS = (1.2, 1.5, 1.9, 2.4, 3.2, 4.5)
 """What is tried if no duration is asked for, over the least that the limits allow."""
 
 _WAYS = 2  # by arcs, that are tried
 _RAMP = 2.0  # duration of a ramp over the least, which has the limit as its mean acceleration
+_OVER = 1e-6  # a plan with less time left has been driven [s]
 _CRUISE = 0.8  # of the greatest speed: ramps are longer if that leaves time
 
 
@@ -79,10 +80,11 @@ def replan(old: SplinePlan, t: float, request: PlanRequest) -> SplinePlan:
         raise ControlError(f"a plan that starts at {old.t_start:g} s cannot be left at {t:g} s")
     here, (end,) = old.at(t).state, old.way(old.t_end, 1).T
     left, off = (hypot(request.goal.x - x, request.goal.y - y) for x, y in ((here.x, here.y), end))
-    if off < SHORTEST_WAY and (t >= old.t_end or left < SHORTEST_WAY):
+    over = t > old.t_end - _OVER
+    if off < SHORTEST_WAY and (over or left < SHORTEST_WAY):
         return old
     request = replace(request, start=here, t_start=t)
-    if t >= old.t_end:
+    if over:
         return plan(request)
     require_room(request)
     return _first(_renewals(request, old, t))
@@ -99,10 +101,9 @@ def _first(attempts: Iterable[Attempt]) -> SplinePlan:
 
 
 def _finished(attempt: Attempt) -> SplinePlan:
-    problem, request = attempt.problem, attempt.problem.request
-    curves, start = problem.curves, request.start
-    points = (curves.best + curves.directions @ attempt.w).T
-    return SplinePlan(points, request.degree, problem.law, start.theta, request.t_start)
+    task, (best, directions) = attempt.problem, attempt.problem.curves
+    points, request = (best + directions @ attempt.w).T, task.request
+    return SplinePlan(points, task.law, request.start.theta, request.t_start)
 
 
 def _fresh(request: PlanRequest, duration: float, ways: list[PlannedPath]) -> Attempt:
@@ -113,33 +114,54 @@ def _fresh(request: PlanRequest, duration: float, ways: list[PlannedPath]) -> At
     curvature = start.omega / start.v if start.v > REST else 0.0
     ends = _end(start.pose, start.v, pace, curvature), _end(request.goal, request.goal_speed, pace)
     task = problem(request, ends, law, way)
-    passed = law.at(task.t[::FINER])[0] / law.end
-    return search(task, [r for w in ways for r in _round(task, driven(w, passed))])
+    return search(task, _guesses(task, ways))
 
 
 def _renewals(request: PlanRequest, old: SplinePlan, t: float) -> Iterator[Attempt]:
-    """For each duration the old way as it is, ways round what is on it, and fresh ones."""
-    left, ways = old.t_end - t, _arc_ways(request)
-    longer = [time for time in _durations(request, length(ways[0])) if time > left]
-    for duration in [request.duration] if request.duration else [left, *longer]:
-        task, way = _renewed(request, old, t, duration), old.way(t, request.nodes)
+    """For each duration the old way as it is, ways round what is on it, and ways by arcs."""
+    arcs, rest, start = _arc_ways(request), old.law.rest(t - old.t_start), old.end_at(t)
+    way = _led_to(request.goal, old.way(t, NODES))
+    driven_way = float(np.hypot(*np.diff(way)).sum())
+    for duration in _times_left(request, rest.duration, length(arcs[0])):
+        task = _renewed(request, start, rest, duration, driven_way)
         yield search(task, [way])
-        yield search(task, [*_round(task, way)])
+        yield search(task, _round(task, way))
+        task = _renewed(request, start, rest, duration, length(arcs[0]))
+        yield search(task, _guesses(task, arcs))
 
 
-def _renewed(request: PlanRequest, old: SplinePlan, t: float, duration: float) -> Problem:
-    """To go on as the old plan does, by its own law in the time that it has left."""
-    way = float(np.hypot(*np.diff(old.way(t, request.nodes))).sum())
-    law = old.law.rest(t - old.t_start)
-    pace, last = way / law.end, law.paces[-1]
-    if duration != law.duration or (last > 0.0) != (request.goal_speed > 0.0):
-        ramp, pace = _pacing(request, duration, way, law.paces[0])
-        last = _share(request.goal_speed, pace)
-        law = ramps(duration, ramp, law.paces[0], law.slopes[0], last)
-    elif last > 0.0:
-        pace = request.goal_speed / last
-    ends = old.end_at(t), _end(request.goal, request.goal_speed, pace)
-    return problem(request, ends, law, way)
+def _led_to(goal: Pose2D, way: Array) -> Array:
+    """A way that ends at a goal, the more like the old one the nearer to its start."""
+    shift = np.array([[goal.x], [goal.y]]) - way[:, -1:]
+    led: Array = way + shift * np.linspace(0.0, 1.0, way.shape[1])
+    return led
+
+
+def _times_left(request: PlanRequest, left: float, way: float) -> list[float]:
+    """What is left of the old plan's time if that can do, then longer ones."""
+    if request.duration:
+        return [request.duration]
+    distance = hypot(request.goal.x - request.start.x, request.goal.y - request.start.y)
+    longer = [time for time in _durations(request, way) if time > left]
+    return [left, *longer] if distance < left * _greatest_speed(request) else longer
+
+
+def _renewed(
+    request: PlanRequest, start: End, rest: TimeLaw, duration: float, way: float
+) -> Problem:
+    """To go on as an old plan does, by its own law in the time that it has left."""
+    law, last, speed = rest, rest.paces[-1], request.goal_speed
+    pace = speed / last if last > 0.0 else way / rest.end
+    if duration != rest.duration or (last > 0.0) != (speed > 0.0):
+        ramp, pace = _pacing(request, duration, way, rest.paces[0])
+        law = ramps(duration, ramp, rest.paces[0], rest.slopes[0], _share(speed, pace))
+    return problem(request, (start, _end(request.goal, speed, pace)), law, way)
+
+
+def _guesses(task: Problem, ways: list[PlannedPath]) -> list[Array]:
+    """Ways by arcs, driven by the task's law, round what is on them."""
+    passed = task.law.at(task.t[::FINER])[0] / task.law.end
+    return [found for way in ways for found in _round(task, driven(way, passed))]
 
 
 def _pacing(request: PlanRequest, duration: float, way: float, first: float) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from control.flatness import in_time, motion
 from control.motion_model import Array
 from control.obstacles import Obstacle
 from control.plan import PlannedMotion
-from control.plan_curves import End, spline_basis
+from control.plan_curves import DEGREE, End, spline_basis
 from control.time_law import TimeLaw
 from control.unicycle import UnicycleState
 
@@ -28,14 +28,12 @@ class SplinePlan:
 
     Attributes:
         control_points: (c, 2) of the clamped spline P, on the floor [m]; read-only.
-        degree: of the spline.
         law: S.
         heading: at the start, not wrapped [rad].
         t_start: on the mission's clock [s].
     """
 
     control_points: Array
-    degree: int
     law: TimeLaw
     heading: float
     t_start: float
@@ -44,8 +42,7 @@ class SplinePlan:
 
     def __post_init__(self) -> None:
         self.control_points.flags.writeable = False
-        knots = spline_basis(self.degree, len(self.control_points), self.law.end).t
-        curve = BSpline(knots, self.control_points, self.degree)
+        curve = BSpline(spline_basis(self.law.end).t, self.control_points, DEGREE)
         object.__setattr__(self, "_curves", tuple(curve.derivative(i) for i in range(4)))
         s = np.linspace(0.0, self.law.end, _FINE)
         x, y = self._curves[1](s).T

@@ -21,14 +21,15 @@ ENDS = (
     End(Pose2D(3.0, 0.0, -0.4), (0.5,), (0.0, 0.0)),
 )
 TASK = problem(REQUEST, ENDS, ramps(7.0, 2.0, 0.4, 0.25, 0.0), 3.0)
-FREE = TASK.curves.directions.shape[2]
+FREE = TASK.linear.shape[3]
 variables = st.lists(st.floats(-0.3, 0.3), min_size=FREE, max_size=FREE).map(np.array)
 
 
 def plan_of(w: Array) -> SplinePlan:
     """The plan of some variables, whether it keeps anything or not."""
-    points = TASK.curves.best + TASK.curves.directions @ w
-    return SplinePlan(points.T, REQUEST.degree, TASK.law, 0.3, REQUEST.t_start)
+    best, directions = TASK.curves
+    points = best + directions @ w
+    return SplinePlan(points.T, TASK.law, 0.3, REQUEST.t_start)
 
 
 def regular(w: Array) -> bool:
