@@ -47,8 +47,9 @@ class LeaderLimits:
 class FollowerPlace:
     """Where a follower's camera point is about the leader, and what its wheels can.
 
-    The point is rigid in the leader's frame, its follower drives along the point's own path.
-    (0, 0) puts the limit on the leader's own wheels.
+    The point is rigid in the leader's frame, its follower drives along the point's own path. Its
+    axle lags behind the point, which takes up to 2 % more than planned: leave a reserve, as
+    feedback needs one too. (0, 0) puts the limit on the leader's own wheels.
 
     Attributes:
         x: forwards, < 0 behind the leader [m].

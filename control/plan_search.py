@@ -10,10 +10,9 @@ from scipy.optimize import minimize
 from control.motion_model import Array
 from control.plan_problem import FINER, Problem
 
-EXACT = 1e-6
-"""A share beyond 1 by less is rounding [1]."""
-
-_RESERVE = 1e-3  # of every share, for what happens between the nodes
+_WANTED = 1.0 - 1e-3  # shares that SLSQP keeps at the nodes
+_MOST = 1.0 - 5e-4  # shares that the check accepts, which looks at finite times as well
+_EXACT = 1e-6  # what is beyond by less is rounding
 _NEAR = 0.3  # SLSQP minds the limits of which a guess uses so much, and those it then exceeds
 _ROUNDS = 6  # of SLSQP, each with the times at which the one before exceeds a limit
 _STEPS = 40  # of SLSQP
@@ -31,7 +30,7 @@ class Attempt:
         problem: what was searched.
         w: (m,) variables.
         shares: (r, n) on the fine mesh [1].
-        excess: the greatest share less 1, or less its value at the start if that is greater [1].
+        excess: by how much a share is more than wanted and more than at both ends, at worst [1].
     """
 
     problem: Problem
@@ -42,7 +41,7 @@ class Attempt:
     @property
     def keeps(self) -> bool:
         """Whether all constraints are kept, also between the nodes."""
-        return self.excess <= EXACT
+        return self.excess <= _EXACT
 
     @property
     def cost(self) -> float:
@@ -72,7 +71,7 @@ def search(problem: Problem, ways: Iterable[Array]) -> Attempt:
 
 def _rank(attempt: Attempt) -> tuple[float, float]:
     """Least excess first; among those that keep everything the cheapest."""
-    return max(attempt.excess, EXACT), attempt.cost
+    return max(attempt.excess, _EXACT), attempt.cost
 
 
 def _guess(problem: Problem, way: Array) -> Array:
@@ -91,22 +90,22 @@ def _solve(problem: Problem, guess: Array) -> Attempt:
         chosen[:, ::FINER] |= attempt.shares[:, ::FINER] > _NEAR
         chosen |= _peaks(attempt.shares)
         attempt = _attempt(problem, _slsqp(problem, chosen, attempt.w))
-        if attempt.keeps or float(attempt.shares[chosen].max()) > 1.0 + EXACT:
+        if attempt.keeps or float(attempt.shares[chosen].max()) > _MOST + _EXACT:
             break
     return attempt
 
 
 def _attempt(problem: Problem, w: Array) -> Attempt:
     shares = np.nan_to_num(problem.shares(w), nan=np.inf)
-    excess = shares - np.maximum(shares[:, :1], 1.0)
-    return Attempt(problem, w, shares, float(excess.max()))
+    most = np.maximum(shares[:, [0, -1]].max(axis=1, keepdims=True), _MOST)
+    return Attempt(problem, w, shares, float((shares - most).max()))
 
 
 def _peaks(shares: Array) -> NDArray[np.bool_]:
-    """(r, n) where a share exceeds 1 and its neighbours."""
+    """(r, n) where a share exceeds the most and its neighbours."""
     padded = np.pad(shares, ((0, 0), (1, 1)), constant_values=-np.inf)
     top = (shares >= padded[:, :-2]) & (shares >= padded[:, 2:])
-    peaks: NDArray[np.bool_] = top & (shares > 1.0)
+    peaks: NDArray[np.bool_] = top & (shares > _MOST)
     return peaks
 
 
@@ -122,7 +121,7 @@ def _slsqp(problem: Problem, chosen: NDArray[np.bool_], guess: Array) -> Array:
         method="SLSQP",
         constraints={
             "type": "ineq",
-            "fun": lambda w: 1.0 - _RESERVE - at_times.shares(w)[rows],
+            "fun": lambda w: _WANTED - at_times.shares(w)[rows],
             "jac": lambda w: -at_times.jacobian(w)[rows],
         },
         options={"maxiter": _STEPS, "ftol": _PRECISION},

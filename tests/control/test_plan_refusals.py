@@ -48,7 +48,13 @@ def test_what_cannot_be_planned_says_why(changes: dict[str, object], reason: str
 
 
 def test_the_error_says_which_durations_were_tried() -> None:
-    wall = replace(BLOCKED, obstacles=WALL, arena=ARENA, duration=None, places=())
+    wall = replace(
+        BLOCKED,
+        goal=Pose2D(4.0, 0.0, 0.0),
+        obstacles=(Obstacle(2.0, 0.0, 0.8),),
+        arena=Arena(-1.0, 5.0, -1.0, 1.0),
+        duration=None,
+    )
     with pytest.raises(ControlError, match=r"no plan in \d.* s to .* s, at best in .* s: "):
         plan(wall)
 

@@ -1,9 +1,10 @@
 """The loop closed over a plan: the leader tracks it, followers hold rigid places, wheels can."""
 
 from dataclasses import replace
-from math import cos, hypot, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
+import pytest
 
 from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
@@ -11,7 +12,7 @@ from control.obstacles import Obstacle
 from control.plan_request import FollowerPlace, PlanRequest
 from control.planner import plan
 from control.spline_plan import SplinePlan
-from control.unicycle import wheels_from_twist
+from control.unicycle import Twist, wheels_from_twist
 from tests.control.plan_scenes import AT_REST, LIMITS
 from tests.control.small_world import CAMERA_OFFSET, Case, SmallWorld
 
@@ -73,6 +74,27 @@ def driven(found: SplinePlan) -> tuple[float, float]:
         start[k] = Pose2D(place.x - CAMERA_OFFSET, place.y, 0.0)
     case = Case(formation(), found, start, found.law.duration + 1.0, gain_errors=(0.0, 0.0))
     return WatchedWorld(replace(case, noise=(1e-4, 1e-3), feed_forward=True)).run_watched()
+
+
+def dragged(found: SplinePlan, place: FollowerPlace) -> float:
+    """Greatest wheel speed of a follower whose camera point is always at its place [m/s]."""
+    dt, theta, fastest = 0.005, found.heading, 0.0
+    for t in np.arange(found.t_start, found.t_end, dt).tolist():
+        s = found.at(t).state
+        ahead, left = s.v - s.omega * place.y, s.omega * place.x
+        off = s.theta + atan2(left, ahead) - theta  # from its heading to its point's direction
+        v, omega = hypot(ahead, left) * cos(off), hypot(ahead, left) * sin(off) / CAMERA_OFFSET
+        rims = wheels_from_twist(Twist(v, omega), place.track_width)
+        fastest = max(fastest, abs(rims.left), abs(rims.right))
+        theta += omega * dt
+    return fastest
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_rigid_followers_need_what_was_planned_for_them(place: FollowerPlace) -> None:
+    slow = replace(REQUEST, duration=None)
+    for found in (plan(REQUEST), plan(slow)):
+        assert dragged(found, place) <= place.wheel_speed * 1.03  # axles lag their points
 
 
 def test_followers_wheels_obey_their_limits_along_a_plan() -> None:

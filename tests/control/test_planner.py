@@ -98,8 +98,8 @@ def test_what_is_found_keeps_everything(seed: int) -> None:
         v_rate / LIMITS.v_rate,
         omega_rate / LIMITS.omega_rate,
     )
-    assert np.abs(shares).max() <= 1.0 + 1e-4
-    assert least_clearance(found, request, at) >= request.clearance - 1e-4  # m
+    assert np.abs(shares).max() <= 1.0 + 5e-4
+    assert least_clearance(found, request, at) >= request.clearance  # m
     for place in PLACES:
         assert wheels(found, at[1:-1], place).max() <= place.wheel_speed * 1.001
 
