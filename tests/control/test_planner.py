@@ -13,6 +13,7 @@ from control.geometry import Pose2D
 from control.obstacles import Arena
 from control.planner import plan
 from control.spline_plan import SplinePlan
+from control.unicycle import UnicycleState
 from tests.control.plan_scenes import (
     BEHIND,
     BLOCKED,
@@ -37,6 +38,7 @@ SCENES = {
     "two": TWO,
     "hairpin": HAIRPIN,
     "behind": BEHIND,
+    "turning": replace(BLOCKED, start=UnicycleState(0.0, 0.0, 0.2, 0.3, 0.5), duration=6.0),
     "hurried": replace(BLOCKED, duration=None),
     "late": replace(CROSSED, t_start=100.0),
     "long": replace(BLOCKED, duration=40.0),
@@ -69,7 +71,9 @@ def test_followers_can_keep_their_places(name: str) -> None:
         assert rims.max() <= place.wheel_speed * 1.001
 
 
-@pytest.mark.parametrize("name", ["blocked", "crossed", "two", "hurried", "late", "long"])
+@pytest.mark.parametrize(
+    "name", ["blocked", "crossed", "two", "turning", "hurried", "late", "long"]
+)
 def test_obstacles_keep_their_distance(name: str) -> None:
     found, request = planned(name), SCENES[name]
     seen = least_clearance(found, request, times(found, 4100))

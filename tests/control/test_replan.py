@@ -85,6 +85,15 @@ def test_what_comes_into_the_way_is_seen_and_avoided() -> None:
     assert least_clearance(new, request, times(new)) >= BLOCKED.clearance - 1e-4
 
 
+def test_it_stays_on_its_side_of_an_obstacle() -> None:
+    old = planned("blocked")
+    assert motions(old, times(old))[1].min() < -0.3  # m: on the right
+    request = replace(BLOCKED, obstacles=(replace(IN_THE_WAY, y=-0.1),), duration=None)
+    kept, free = replan(old, 3.6, request), plan(request)
+    assert motions(kept, times(kept))[1].min() < -0.5
+    assert motions(free, times(free))[1].max() > 0.3  # shorter, from the start
+
+
 def test_it_takes_longer_if_it_must() -> None:
     old = plan(replace(BLOCKED, obstacles=(), duration=3.5))
     request = replace(BLOCKED, obstacles=(Obstacle(1.2, 0.02, 0.2),), duration=None)
