@@ -5,7 +5,6 @@ from math import cos, sin
 
 import numpy as np
 from scipy.interpolate import BSpline
-from scipy.linalg import cholesky, qr, solve_triangular
 
 from control.geometry import Pose2D
 from control.motion_model import Array
@@ -62,14 +61,14 @@ def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> tup
     places = zip(ends, (0.0, end), strict=True)
     fixed = [row for what, at in places for row in _fixed(what, spline, at)]
     rows, values = np.array([row for row, _ in fixed]), np.array([value for _, value in fixed])
-    whole, upper = qr(rows.T)
+    whole, upper = np.linalg.qr(rows.T, mode="complete")
     bound, free = whole[:, : len(values)], whole[:, len(values) :]
-    best = bound @ solve_triangular(upper[: len(values)], values, trans="T")
+    best = bound @ np.linalg.solve(upper[: len(values)].T, values)
     scale = (end**6 / (720.0 * length**2 * _FINE)) ** 0.5
     third = scale * spline((np.arange(_FINE) + 0.5) * (end / _FINE), 3)
     weight = np.kron(np.eye(2), third.T @ third)
-    root = cholesky(free.T @ weight @ free, lower=True)
-    directions = solve_triangular(root, free.T, lower=True).T
+    root = np.linalg.cholesky(free.T @ weight @ free)
+    directions = np.linalg.solve(root, free.T).T
     best = best - directions @ (directions.T @ weight @ best)
     return best.reshape(2, -1), directions.reshape(2, CONTROL_POINTS, -1)
 

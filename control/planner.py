@@ -120,21 +120,14 @@ def _fresh(request: PlanRequest, duration: float, ways: list[PlannedPath]) -> At
 def _renewals(request: PlanRequest, old: SplinePlan, t: float) -> Iterator[Attempt]:
     """For each duration the old way as it is, ways round what is on it, and ways by arcs."""
     arcs, rest, start = _arc_ways(request), old.law.rest(t - old.t_start), old.end_at(t)
-    way = _led_to(request.goal, old.way(t, NODES))
-    driven_way = float(np.hypot(*np.diff(way)).sum())
+    way = old.way(t, NODES)
+    left = float(np.hypot(*np.diff(way)).sum())
     for duration in _times_left(request, rest.duration, length(arcs[0])):
-        task = _renewed(request, start, rest, duration, driven_way)
+        task = _renewed(request, start, rest, duration, left)
         yield search(task, [way])
         yield search(task, _round(task, way))
         task = _renewed(request, start, rest, duration, length(arcs[0]))
         yield search(task, _guesses(task, arcs))
-
-
-def _led_to(goal: Pose2D, way: Array) -> Array:
-    """A way that ends at a goal, the more like the old one the nearer to its start."""
-    shift = np.array([[goal.x], [goal.y]]) - way[:, -1:]
-    led: Array = way + shift * np.linspace(0.0, 1.0, way.shape[1])
-    return led
 
 
 def _times_left(request: PlanRequest, left: float, way: float) -> list[float]:
