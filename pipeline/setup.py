@@ -12,31 +12,34 @@ from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation
 from control.geometry import Pose2D
 from control.laws import law_named
 from control.leader import LeaderGains
 from control.plan import PathSegment, PlannedPath
 from control.reaching import ReachingGains
+from control.safety import Arena, Clearance
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
+from pipeline.clearing import rehearse_clearing
 from pipeline.config import (
     ControlConfig,
-    FormationConfig,
     LeaderConfig,
-    PairConfig,
     Scenario,
     SegmentConfig,
 )
 from pipeline.errors import ConfigError
+from pipeline.formation_config import FormationConfig
 from pipeline.guard import SafetyRules
 from pipeline.seeing import Seeing, make_seeing
+from pipeline.shaping import make_formation, starts_of
 from vision.camera import CameraModel
 from vision.tags import TagSet
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
+RESERVE = 0.002  # of the clearance, for what poses and motors are off by [m]
 SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
 
 
@@ -59,6 +62,8 @@ class Setup:
         pose_noise: covariance, shape (3, 3), added to that of the fit: what lens model, codec and
             printed tags do without the pixels telling [m^2, rad^2].
         rules: of safety.
+        clearance: how far bodies are kept apart; None: they are not.
+        arena: what no body may leave.
         period: between two ticks [s].
         radio_delay: from sending a command to its effect [s].
         command_validity: a command older than this is never sent [s].
@@ -79,6 +84,8 @@ class Setup:
     free_motion: MotionModel
     pose_noise: NDArray[np.float64]
     rules: SafetyRules
+    clearance: Clearance | None
+    arena: Arena
     period: float
     radio_delay: float
     command_validity: float
@@ -111,6 +118,7 @@ def make_setup(scenario: Scenario) -> Setup:
             section that driving needs is missing.
     """
     load_filter()
+    rehearse_clearing()
     formation, leader = _course(scenario)
     try:
         return _setup(scenario, formation, leader)
@@ -155,13 +163,13 @@ def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
 
 
 def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig) -> Setup:
-    period = scenario.control.command_period_s
+    period, seeing = scenario.control.command_period_s, make_seeing(scenario)
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
     return Setup(
         name=scenario.name,
-        seeing=make_seeing(scenario),
-        formation=Formation(tuple(_pair(pair) for pair in formation.pairs)),
+        seeing=seeing,
+        formation=make_formation(scenario, formation),
         path=_path(leader),
         gains=_gains(scenario, period),
         follower=_follower(scenario),
@@ -171,16 +179,14 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         free_motion=_motion(scenario, None, doubt),
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
+        clearance=_clearance(scenario, seeing.tags.tags[0].side),
+        arena=Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena(),
         period=period,
         radio_delay=scenario.radio.delay_s,
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
-        starts={
-            robot.id: Pose2D(robot.start.x_m, robot.start.y_m, radians(robot.start.theta_deg))
-            for robot in scenario.robots
-            if robot.start is not None
-        },
+        starts=starts_of(scenario),
     )
 
 
@@ -242,15 +248,12 @@ def _rules(scenario: Scenario) -> SafetyRules:
     )  # fmt: skip
 
 
-def _pair(config: PairConfig) -> Pair:
-    d = config.distance_m
-    distance = (
-        TanhStep.constant(d)
-        if isinstance(d, float | int)
-        else TanhStep(d.before_m, d.after_m, d.at_s, d.rate_per_s)
-    )
-    bearing = TanhStep.constant(radians(config.bearing_deg))
-    return Pair(config.leader, config.follower, Shape(distance, bearing))
+def _clearance(scenario: Scenario, side: float) -> Clearance | None:
+    """What the filter keeps between bodies as large as their tags."""
+    s = scenario.safety
+    if s.clearance_m == 0.0:
+        return None
+    return Clearance(s.clearance_m + RESERVE, s.approach_rate_per_s, half_side=0.5 * side)
 
 
 def _path(config: LeaderConfig) -> PlannedPath:
