@@ -1,10 +1,12 @@
 """What a formation keeps off: obstacles that move, and the border of the arena."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 from control.actuation import require_finite
 from control.errors import ControlError
 from control.motion_model import Array
+from control.safety import Arena
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,39 +49,23 @@ class Obstacle:
         return apart
 
 
-@dataclass(frozen=True, slots=True)
-class Arena:
-    """A rectangle along the floor's axes.
+def borders(arena: Arena) -> list[tuple[str, tuple[float, float], float]]:
+    """The sides of an arena that are somewhere: inside is inward . (x, y) >= at.
 
-    Attributes:
-        x_min: [m].
-        x_max: > x_min [m].
-        y_min: [m].
-        y_max: > y_min [m].
+    Args:
+        arena: what must not be left.
 
-    Raises:
-        ControlError: if a number is not finite or a side has no length.
+    Returns:
+        Name, inward normal [1, 1] and place along it [m] of each.
     """
-
-    x_min: float
-    x_max: float
-    y_min: float
-    y_max: float
-
-    def __post_init__(self) -> None:
-        require_finite("arena", self.x_min, self.x_max, self.y_min, self.y_max)
-        if not (self.x_min < self.x_max and self.y_min < self.y_max):
-            raise ControlError(f"an arena needs x_min < x_max and y_min < y_max, got {self}")
-
-    def borders(self) -> tuple[tuple[str, tuple[float, float], float], ...]:
-        """The four sides: inside is inward . (x, y) >= at.
-
-        Returns:
-            Name, inward normal [1, 1] and place along it [m] of each.
-        """
-        return (
-            (f"border x = {self.x_min:g} m", (1.0, 0.0), self.x_min),
-            (f"border x = {self.x_max:g} m", (-1.0, 0.0), -self.x_max),
-            (f"border y = {self.y_min:g} m", (0.0, 1.0), self.y_min),
-            (f"border y = {self.y_max:g} m", (0.0, -1.0), -self.y_max),
-        )
+    sides = (
+        ("x", (1.0, 0.0), arena.x_low),
+        ("x", (-1.0, 0.0), -arena.x_high),
+        ("y", (0.0, 1.0), arena.y_low),
+        ("y", (0.0, -1.0), -arena.y_high),
+    )
+    return [
+        (f"the arena's border {axis} = {sum(inward) * at:g} m", inward, at)
+        for axis, inward, at in sides
+        if isfinite(at)
+    ]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from control.flatness import in_time, motion, motion_gradient, point_motion
 from control.motion_model import Array
+from control.obstacles import borders
 from control.plan_curves import End, curves_between, spline_basis
 from control.plan_request import PlanRequest
 from control.time_law import TimeLaw
@@ -143,10 +144,10 @@ class Problem:
             away = apart / distance
             row = self._closeness(distance - o.radius, away)
             yield f"distance to the obstacle at ({o.x:g}, {o.y:g}) m", row
-        for name, inward, at in request.arena.borders() if request.arena else ():
+        for name, inward, at in borders(request.arena):
             normal = np.array(inward)[:, None]
             row = self._closeness((normal * p).sum(axis=0) - at, normal + np.zeros_like(p))
-            yield f"distance to the {name} of the arena", row
+            yield f"distance to {name}", row
 
     def _closeness(self, distance: Array, gradient: Array) -> Array:
         """A share from a distance [m] and its derivatives for x and y [1]."""

@@ -6,7 +6,8 @@ from math import hypot, inf
 from control.actuation import require_finite
 from control.errors import ControlError
 from control.geometry import Pose2D
-from control.obstacles import Arena, Obstacle
+from control.obstacles import Obstacle, borders
+from control.safety import Arena
 from control.unicycle import UnicycleState
 
 SHORTEST_WAY = 1e-3
@@ -88,7 +89,7 @@ class PlanRequest:
         t_start: when the plan starts, on the mission's clock [s].
         clearance: about the leader, >= 0 [m].
         obstacles: where they are at t_start.
-        arena: None is an unbounded floor.
+        arena: what the clearance must not leave.
         limits: of the leader.
         places: of the followers.
 
@@ -103,7 +104,7 @@ class PlanRequest:
     t_start: float = 0.0
     clearance: float = 0.0
     obstacles: tuple[Obstacle, ...] = ()
-    arena: Arena | None = None
+    arena: Arena = Arena()  # noqa: RUF009 (immutable)
     limits: LeaderLimits = LeaderLimits()
     places: tuple[FollowerPlace, ...] = ()
 
@@ -166,8 +167,8 @@ def require_room(request: PlanRequest) -> None:
             if what == "start" or o.vx == o.vy == 0.0:
                 distance = hypot(at.x - o.x, at.y - o.y) - o.radius
                 _require(request, distance, what, at, f"the obstacle at ({o.x:g}, {o.y:g}) m")
-        for name, (nx, ny), reach in request.arena.borders() if request.arena else ():
-            _require(request, nx * at.x + ny * at.y - reach, what, at, f"the arena's {name}")
+        for name, (nx, ny), reach in borders(request.arena):
+            _require(request, nx * at.x + ny * at.y - reach, what, at, name)
 
 
 def _require(request: PlanRequest, distance: float, what: str, at: Pose2D, thing: str) -> None:

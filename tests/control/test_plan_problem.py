@@ -8,14 +8,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from control.geometry import Pose2D
-from control.obstacles import Arena
 from control.plan_curves import End
 from control.plan_problem import FINER, problem
+from control.safety import Arena
 from control.spline_plan import SplinePlan
 from control.time_law import ramps
 from tests.control.plan_scenes import PLACES, TWO, Array, follower_motion, motions, times
 
-REQUEST = replace(TWO, arena=Arena(-0.6, 3.6, -1.2, 1.2), t_start=2.0)
+REQUEST = replace(TWO, arena=Arena(-0.6, -1.2, 3.6, 1.2), t_start=2.0)
 ENDS = (
     End(Pose2D(0.1, 0.2, 0.3), (0.5, 0.2), (0.0, 0.3)),
     End(Pose2D(3.0, 0.0, -0.4), (0.5,), (0.0, 0.0)),

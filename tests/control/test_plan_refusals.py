@@ -7,13 +7,14 @@ import pytest
 
 from control.errors import ControlError
 from control.geometry import Pose2D
-from control.obstacles import Arena, Obstacle
+from control.obstacles import Obstacle
 from control.plan_request import FollowerPlace, LeaderLimits
 from control.planner import plan, replan
+from control.safety import Arena
 from control.unicycle import UnicycleState
 from tests.control.plan_scenes import BLOCKED, IN_THE_WAY, PLACES
 
-ARENA = Arena(-1.0, 3.0, -1.0, 1.0)
+ARENA = Arena(-1.0, -1.0, 3.0, 1.0)
 WALL = tuple(Obstacle(1.0, 0.3 * k, 0.1) for k in (-2, 0, 2))
 FAR_OUT = replace(PLACES[0], x=-1.0, y=1.0)
 
@@ -28,7 +29,7 @@ FAR_OUT = replace(PLACES[0], x=-1.0, y=1.0)
             r"distance to the obstacle at .* lacks 0\.\d+ m at t = .* m; .* another goal",
         ),
         (
-            {"arena": Arena(-0.5, 2.5, -0.45, 0.45), "clearance": 0.3},
+            {"arena": Arena(-0.5, -0.45, 2.5, 0.45), "clearance": 0.3},
             r"lacks 0\.\d+ m at t",
         ),
         (
@@ -52,7 +53,7 @@ def test_the_error_says_which_durations_were_tried() -> None:
         BLOCKED,
         goal=Pose2D(4.0, 0.0, 0.0),
         obstacles=(Obstacle(2.0, 0.0, 0.8),),
-        arena=Arena(-1.0, 5.0, -1.0, 1.0),
+        arena=Arena(-1.0, -1.0, 5.0, 1.0),
         duration=None,
     )
     with pytest.raises(ControlError, match=r"no plan in \d.* s to .* s, at best in .* s: "):
@@ -80,11 +81,11 @@ def test_the_error_says_which_durations_were_tried() -> None:
         ({"obstacles": (Obstacle(0.3, 0.0, 0.1),)}, r"the start \(0, 0\) m is 0.15 m too close"),
         ({"obstacles": (Obstacle(2.0, 0.1, 0.1),)}, r"the goal \(2, 0\) m is 0.35 m too close"),
         (
-            {"arena": Arena(-0.6, 2.2, -1.5, 1.5)},
+            {"arena": Arena(-0.6, -1.5, 2.2, 1.5)},
             "goal .* 0.15 m too close to the arena's border x = 2.2",
         ),
         (
-            {"arena": Arena(-0.2, 2.6, -1.5, 1.5)},
+            {"arena": Arena(-0.2, -1.5, 2.6, 1.5)},
             "start .* 0.15 m too close to the arena's border x = -0.2",
         ),
     ],
@@ -100,8 +101,6 @@ def test_unusable_requests_are_refused_at_once(changes: dict[str, object], reaso
         lambda: Obstacle(0.0, 0.0, -0.1),
         lambda: Obstacle(nan, 0.0, 0.1),
         lambda: Obstacle(0.0, 0.0, 0.1, vx=inf),
-        lambda: Arena(1.0, 1.0, 0.0, 1.0),
-        lambda: Arena(0.0, nan, 0.0, 1.0),
         lambda: LeaderLimits(v=0.0),
         lambda: LeaderLimits(omega_rate=nan),
         lambda: FollowerPlace(nan, 0.0, 1.0, 0.1),

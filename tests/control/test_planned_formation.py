@@ -6,11 +6,12 @@ from math import atan2, cos, hypot, pi, sin
 import numpy as np
 import pytest
 
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.obstacles import Obstacle
 from control.plan_request import FollowerPlace, PlanRequest
 from control.planner import plan
+from control.profile import TanhStep
 from control.spline_plan import SplinePlan
 from control.unicycle import Twist, wheels_from_twist
 from tests.control.plan_scenes import AT_REST, LIMITS

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from control.geometry import Pose2D
-from control.obstacles import Arena
 from control.planner import plan
+from control.safety import Arena
 from control.spline_plan import SplinePlan
 from control.unicycle import UnicycleState
 from tests.control.plan_scenes import (
@@ -82,7 +82,7 @@ def test_obstacles_keep_their_distance(name: str) -> None:
 
 
 def test_the_arena_is_not_left() -> None:
-    found = plan(replace(BLOCKED, arena=Arena(-0.5, 2.5, -0.5, 1.1)))
+    found = plan(replace(BLOCKED, arena=Arena(-0.5, -0.5, 2.5, 1.1)))
     x, y, *_ = motions(found, times(found))
     assert y.max() <= 1.1 - BLOCKED.clearance + 1e-4  # m: now it must pass on the left
     assert y.min() >= -0.5 + BLOCKED.clearance - 1e-4
