@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from control.errors import ControlError
-from control.laws import law_named
+from control.laws import law_named, leader_law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
 from pipeline.palette_config import PaletteConfig
@@ -38,6 +38,15 @@ def _known_law(name: str) -> str:
     return name
 
 
+def _known_leader_law(name: str) -> str:
+    try:
+        leader_law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
+
+
+LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
 LawName = Annotated[str, AfterValidator(_known_law)]
 
 
@@ -157,6 +166,7 @@ class LeaderConfig(Section):
     integral: Positive = 16.0
     reaching_mps2: Positive = 3.0
     point_offset_m: Positive = 0.1
+    law: LeaderLawName = "sliding"
 
     @model_validator(mode="after")
     def _segments_or_goal(self) -> Self:

@@ -14,7 +14,7 @@ from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
 from control.formation import Formation
 from control.geometry import Pose2D
-from control.laws import law_named
+from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
 from control.obstacles import Obstacle
 from control.plan import Plan
@@ -238,7 +238,7 @@ def _follower(scenario: Scenario) -> FollowerModel:
 def _leader_gains(config: LeaderConfig) -> LeaderGains:
     return LeaderGains(
         config.proportional, config.integral, config.reaching_mps2,
-        point_offset=config.point_offset_m,
+        point_offset=config.point_offset_m, law=leader_law_named(config.law),
     )  # fmt: skip
 
 
