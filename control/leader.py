@@ -4,12 +4,15 @@ from dataclasses import dataclass
 from math import cos, sin
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
+from control.compilable import compilable
 from control.errors import ControlError
 from control.plan import PlannedMotion
 from control.relative import Vector2
 from control.unicycle import Twist, UnicycleState
+from control.value import value
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class LeaderGains:
     """Gains of the leader's first-order integral sliding mode, both floor axes alike.
@@ -37,6 +40,7 @@ class LeaderGains:
             raise ControlError(f"the leader's gains must be > 0, got {self}")
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class LeaderMemory:
     """What the leader's law carries from sample to sample, in floor axes.
@@ -56,6 +60,7 @@ class LeaderMemory:
     fresh: bool = True
 
 
+@value
 @dataclass(frozen=True, slots=True)
 class _PointAhead:
     """Motion of the point c = p + d e(theta) on the floor."""
@@ -65,6 +70,7 @@ class _PointAhead:
     acceleration: Vector2
 
 
+@compilable
 def begin_leader(state: UnicycleState, planned: PlannedMotion, gains: LeaderGains) -> LeaderMemory:
     """Memory with s(0) = 0, equation (17): no reaching phase.
 
@@ -78,7 +84,8 @@ def begin_leader(state: UnicycleState, planned: PlannedMotion, gains: LeaderGain
     """
     (e1, e2), (r1, r2) = _errors(state, planned, gains.point_offset)
     k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
-    return LeaderMemory((e1, e2), ((-r1 - k * e1) / l, (-r2 - k * e2) / l))
+    integral = (-r1 - k * e1) / l, (-r2 - k * e2) / l
+    return LeaderMemory((e1, e2), integral, (0.0, 0.0), (0.0, 0.0), True)
 
 
 def leader_step(
@@ -90,11 +97,7 @@ def leader_step(
     actuation: Actuation,
     gain: DriveGain = NOMINAL_GAIN,
 ) -> tuple[LeaderMemory, Twist]:
-    """One sample of the first-order law, equations (14) and (16)-(19), on the point ahead.
-
-    The output is the point c = p + d e(theta) against the planned c^d; there l and psi of a
-    follower have no counterpart, but G and F do: c'' = G u + F with G = R(theta) diag(1, d).
-    (19) is solved for the end of the horizon, which takes the chatter out of Sign.
+    """One sample of the law, refused if a number is no number.
 
     Args:
         memory: from ``begin_leader`` or the step before.
@@ -112,6 +115,37 @@ def leader_step(
         ControlError: if a number is not finite or dt is not positive.
     """
     _require_usable(state, planned, dt)
+    return lead(memory, state, planned, dt, gains, actuation, gain)
+
+
+@compilable
+def lead(
+    memory: LeaderMemory,
+    state: UnicycleState,
+    planned: PlannedMotion,
+    dt: float,
+    gains: LeaderGains,
+    actuation: Actuation,
+    gain: DriveGain,
+) -> tuple[LeaderMemory, Twist]:
+    """One sample of the first-order law for finite numbers, (14) and (16)-(19), on the point ahead.
+
+    The output is the point c = p + d e(theta) against the planned c^d; there l and psi of a
+    follower have no counterpart, but G and F do: c'' = G u + F with G = R(theta) diag(1, d).
+    (19) is solved for the end of the horizon, which takes the chatter out of Sign.
+
+    Args:
+        memory: from ``begin_leader`` or the step before.
+        state: predicted state when the command takes effect.
+        planned: wanted motion at that moment.
+        dt: time since the step before, also how long the command will hold, > 0 [s].
+        gains: K, L, lambda.
+        actuation: motor lag and limits.
+        gain: the robot's drive gains.
+
+    Returns:
+        The memory for the next step and the command within the limits [m/s, rad/s].
+    """
     error, rate = _errors(state, planned, gains.point_offset)
     integral = _integral(memory, error, dt)
     k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
@@ -121,9 +155,10 @@ def leader_step(
     a = wanted.acceleration[0] - v[0], wanted.acceleration[1] - v[1]
     u = _input(state, a, gains.point_offset)
     command, given = actuation.command(state.twist, u, dt, gain)
-    return LeaderMemory(error, integral, s, given, fresh=False), command
+    return LeaderMemory(error, integral, s, given, False), command
 
 
+@compilable
 def _control(
     s: Vector2, rate: Vector2, error: Vector2, horizon: float, gains: LeaderGains
 ) -> Vector2:
@@ -144,6 +179,7 @@ def _require_usable(state: UnicycleState, planned: PlannedMotion, dt: float) -> 
         raise ControlError(f"a step of the leader's law needs dt > 0 s, got {dt} s")
 
 
+@compilable
 def _point(state: UnicycleState, v_rate: float, omega_rate: float, d: float) -> _PointAhead:
     c, s = cos(state.theta), sin(state.theta)
     v, w = state.v, state.omega
@@ -155,6 +191,7 @@ def _point(state: UnicycleState, v_rate: float, omega_rate: float, d: float) -> 
     )
 
 
+@compilable
 def _errors(state: UnicycleState, planned: PlannedMotion, d: float) -> tuple[Vector2, Vector2]:
     """e_1 and e_2 of (11) for the point ahead [m, m/s]."""
     actual, wanted = _point(state, 0.0, 0.0, d), _point(planned.state, 0.0, 0.0, d)
@@ -165,6 +202,7 @@ def _errors(state: UnicycleState, planned: PlannedMotion, d: float) -> tuple[Vec
     )
 
 
+@compilable
 def _integral(memory: LeaderMemory, error: Vector2, dt: float) -> Vector2:
     """d of (17), by trapezoids [m s]."""
     step = 0.0 if memory.fresh else 0.5 * dt
@@ -172,6 +210,7 @@ def _integral(memory: LeaderMemory, error: Vector2, dt: float) -> Vector2:
     return d1 + step * (e1 + error[0]), d2 + step * (e2 + error[1])
 
 
+@compilable
 def _input(state: UnicycleState, acceleration: Vector2, d: float) -> Vector2:
     """u of (14): the accelerations that give the point ahead the wanted one."""
     c, s = cos(state.theta), sin(state.theta)

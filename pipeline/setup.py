@@ -16,6 +16,7 @@ from control.formation import Formation, Pair, Shape, TanhStep
 from control.geometry import Pose2D
 from control.laws import law_named
 from control.leader import LeaderGains
+from control.motion_model import UNCOMMANDED
 from control.plan import PathSegment, PlannedPath
 from control.reaching import ReachingGains
 from control.sliding import FollowerModel, SlidingGains
@@ -168,7 +169,7 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         leader_gains=_leader_gains(leader),
         leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
-        free_motion=_motion(scenario, None, doubt),
+        free_motion=_motion(scenario, UNCOMMANDED, doubt),
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
         period=period,
@@ -190,7 +191,7 @@ def _lag(scenario: Scenario) -> float:
     return scenario.estimation.lag_s or sum(lags) / len(lags)
 
 
-def _motion(scenario: Scenario, lag: float | None, doubt: tuple[float, float]) -> MotionModel:
+def _motion(scenario: Scenario, lag: float, doubt: tuple[float, float]) -> MotionModel:
     e = scenario.estimation
     accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
     return MotionModel(lag, *accelerations, *doubt)
