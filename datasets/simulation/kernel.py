@@ -1,0 +1,74 @@
+"""A batch of whole runs in one call of machine code, as many at a time as there are cores."""
+
+import numpy as np
+from numba import prange
+
+from control.compilable import compilable
+from datasets.simulation.filters import Filters, nothing_seen, roll_ahead, see
+from datasets.simulation.inputs import Chance, Field, Floats, Host, Trace
+from datasets.simulation.laws import Laws, laws_at_rest, steer
+from datasets.simulation.plants import Plants, drive_until, place
+from vision.compiled import compiled_side_by_side
+
+
+@compiled_side_by_side
+def run_batch(host: Host, field: Field, chance: Chance, trace: Trace) -> None:
+    """Run N closed loops. A run's bits depend on its own row of `chance` alone.
+
+    Args:
+        host: what the host knows and wants.
+        field: robots and references.
+        chance: what happens to every run.
+        trace: filled.
+    """
+    for run in prange(len(chance.ticks)):
+        _run(host, field, chance, trace, run)
+
+
+@compilable
+def _run(host: Host, field: Field, chance: Chance, trace: Trace, run: int) -> None:
+    """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
+    count, first = len(field.starts), chance.ticks[run, 0]
+    sent, rates = trace.commands[run], chance.rates[run]
+    plants = place(field, chance.tones[run], chance.lost[run], chance.taken[run], first)
+    filters, laws = nothing_seen(count), laws_at_rest(count)
+    for tick in range(chance.ticks[run, 2]):
+        drive_until(plants, field, host, sent, tick)
+        frame = chance.frame[run, tick]
+        if frame >= 0:
+            measured = plants.poses[frame] + chance.noise[run, frame]
+            see(filters, host, field, measured, chance.stamp[run, frame], sent, (first, tick))
+        roll_ahead(filters, host, tick * host.period + host.delay, sent, (first, tick))
+        if first <= tick < chance.ticks[run, 1]:
+            share, mission = chance.share[run, tick], chance.mission[run, tick]
+            _command(laws, filters, host, field, mission, rates, share, sent[tick])
+            rates = np.zeros_like(rates)  # a law that begins anew has measured none
+        _note(trace, run, tick, tick * host.period, plants, filters)
+
+
+@compilable
+def _command(
+    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, rates: Floats,
+    share: float, commands: Floats,
+) -> None:  # fmt: skip
+    """Commands (R, 2) of all robots, as the laws want them and the safety rules allow."""
+    if share == 0.0:
+        commands[:] = 0.0
+        laws.begun[:] = False
+        return
+    steer(laws, filters, host, field, mission, rates, commands)
+    commands *= share
+
+
+@compilable
+def _note(
+    trace: Trace, run: int, tick: int, t: float, plants: Plants, filters: Filters
+) -> None:
+    """Keep what is true and what is believed at a tick."""
+    for robot in range(len(plants.legs)):
+        state, ahead = trace.states[run, tick, robot], trace.ahead[run, tick, robot]
+        motion = plants.legs[robot].at(t)
+        for index in range(5):
+            state[index] = motion[index]
+        b = filters.ahead[robot]
+        ahead[0], ahead[1], ahead[2], ahead[3], ahead[4] = b.x, b.y, b.theta, b.v, b.omega
