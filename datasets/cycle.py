@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 from control.command import Command, RobotId
 from control.formation import ShapeReference
+from control.geometry import wrap_angle
 from control.plan import PlannedMotion
-from control.relative import RelativeState
+from control.relative import RelativeState, Vector2
 from control.unicycle import UnicycleState
 from vision.frame import Frame
 from vision.scene import Scene
@@ -55,6 +56,12 @@ class PairState:
     relative: RelativeState
     reference: ShapeReference
 
+    @property
+    def error(self) -> Vector2:
+        """e_1 of (11): of distance and bearing; NaN for a bearing nobody wants [m, rad]."""
+        turn = wrap_angle(self.reference.bearing - self.relative.bearing)
+        return self.reference.distance - self.relative.distance, turn
+
 
 @dataclass(frozen=True, slots=True)
 class SafetyEvent:
@@ -85,7 +92,7 @@ class Cycle:
         t_start: when the mission's clock started [s], None before.
         scene: what was seen, None without a new frame.
         robots: predicted states at t_effective.
-        pairs: one per follower, leaders first.
+        pairs: one per follower, two where it follows two; leaders first.
         planned: wanted motion of the formation's leader at t_effective, None before the start.
         commands: to be sent now.
         events: what the safety rules did in this cycle.

@@ -1,5 +1,6 @@
 """How well the robots drove: pure functions over recorded arrays; names carry units of output."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,9 +27,10 @@ class FollowerScore:
     Attributes:
         follower: its id.
         leader: id of the robot it follows.
-        distance_rms_m: of the distance's error, last 20 % of the run [m].
+        second_leader: id of the other robot it follows, None if there is none.
+        distance_rms_m: of the distance's error, last 20 % of the run; of the worse of two [m].
         distance_max_m: greatest error of the distance there [m].
-        bearing_rms_rad: of the bearing's error there [rad].
+        bearing_rms_rad: of the bearing's error there, None for a follower of two [rad].
         bearing_max_rad: greatest error of the bearing there [rad].
         settled_at_s: mission time from which |e_l| < 2 cm and |e_psi| < 0.1 rad until the shape's
             next change, None if never [s].
@@ -38,6 +40,7 @@ class FollowerScore:
 
     follower: RobotId
     leader: RobotId
+    second_leader: RobotId | None
     distance_rms_m: float | None
     distance_max_m: float | None
     bearing_rms_rad: float | None
@@ -45,6 +48,11 @@ class FollowerScore:
     settled_at_s: float | None
     v_max_mps: float | None
     omega_max_radps: float | None
+
+    @property
+    def leaders(self) -> tuple[RobotId, ...]:
+        """Ids of the one or two robots that it follows."""
+        return (self.leader,) if self.second_leader is None else (self.leader, self.second_leader)
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,40 +117,44 @@ def follower_errors(motions: Motions, pair: Pair, camera_offset: float) -> Float
     return errors
 
 
-def follower_score(motions: Motions, pair: Pair, errors: Floats) -> FollowerScore:
+def follower_score(motions: Motions, pairs: Sequence[Pair], errors: Floats) -> FollowerScore:
     """Condense a follower's run.
 
     Args:
         motions: of the robots.
-        pair: leader, follower and wanted shape.
-        errors: shape (T, 2), of distance and bearing, NaN where unknown [m, rad].
+        pairs: the follower with its leader, or with each of its two.
+        errors: shape (P, T, 2), of distance and bearing, NaN where unknown [m, rad].
 
     Returns:
         The score.
     """
     end = motions.times[-1]
     late = motions.times >= end - LAST_SHARE * (end - motions.times[0])
-    distance, bearing = errors[late].T
-    own = motions.of(pair.follower)[motions.mission >= 0.0]
+    distance, bearing = np.abs(errors[:, :, 0]).max(axis=0), errors[0, :, 1]
+    own = motions.of(pairs[0].follower)[motions.mission >= 0.0]
+    wanted = [distance / SETTLED_DISTANCE]
+    wanted += [np.abs(bearing) / SETTLED_BEARING] if len(pairs) == 1 else []
+    changes = sorted(t for pair in pairs for t in pair.shape.changes)
     return FollowerScore(
-        follower=pair.follower,
-        leader=pair.leader,
-        distance_rms_m=rms(distance),
-        distance_max_m=greatest(distance),
-        bearing_rms_rad=rms(bearing),
-        bearing_max_rad=greatest(bearing),
-        settled_at_s=settled_at(motions.mission, errors, pair.shape.changes),
+        follower=pairs[0].follower,
+        leader=pairs[0].leader,
+        second_leader=pairs[1].leader if len(pairs) == 2 else None,
+        distance_rms_m=rms(distance[late]),
+        distance_max_m=greatest(distance[late]),
+        bearing_rms_rad=rms(bearing[late]),
+        bearing_max_rad=greatest(bearing[late]),
+        settled_at_s=settled_at(motions.mission, np.stack(wanted, axis=1), changes),
         v_max_mps=greatest(own[:, 3]),
         omega_max_radps=greatest(own[:, 4]),
     )
 
 
-def settled_at(mission: Floats, errors: Floats, changes: tuple[float, ...]) -> float | None:
+def settled_at(mission: Floats, shares: Floats, changes: Sequence[float]) -> float | None:
     """When a follower came to its place and stayed there until the shape's next change.
 
     Args:
         mission: shape (T,), mission clock, NaN before the start [s].
-        errors: shape (T, 2), of distance and bearing, NaN counts as not settled [m, rad].
+        shares: shape (T, N), magnitudes of its errors over what counts as settled; NaN does not.
         changes: when the shape changes, mission clock [s].
 
     Returns:
@@ -150,7 +162,7 @@ def settled_at(mission: Floats, errors: Floats, changes: tuple[float, ...]) -> f
     """
     until = min((t for t in changes if t > 0.0), default=np.inf)
     first = np.flatnonzero((mission >= 0.0) & (mission < until))
-    near = np.abs(errors[first]) < (SETTLED_DISTANCE, SETTLED_BEARING)
+    near = shares[first] < 1.0
     away = np.flatnonzero(~near.all(axis=1))
     start = away[-1] + 1 if len(away) else 0
     return float(mission[first[start]]) if start < len(first) else None

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from control.formation import Formation
+from control.formation import Formation, by_follower
 from control.plan import PlannedPath
 from datasets.cycle import Moment, RobotState, SafetyEvent
 from datasets.scores import (
@@ -90,10 +90,11 @@ class RunResult:
         """The result as the command line prints it.
 
         Returns:
-            A JSON-able object; followers by id, keys that do not apply are None.
+            A JSON-able object; followers by id, keys that do not apply are None, but for
+            `second_leader`, which only a follower of two has.
         """
         table = asdict(self)
-        table["followers"] = {str(f.pop("follower")): f for f in table["followers"]}
+        table["followers"] = {str(f.follower): _plain(f) for f in self.followers}
         table["seen"] = {str(s.robot_id): s.frames for s in self.seen}
         table["safety_events"] = list(table["safety_events"])
         table["notes"] = list(table["notes"])
@@ -204,8 +205,12 @@ class Scores:
         if not len(motions.times):
             return ()
         return tuple(
-            follower_score(motions, pair, follower_errors(motions, pair, self._offset))
-            for pair in self._formation.pairs
+            follower_score(
+                motions,
+                pairs,
+                np.stack([follower_errors(motions, pair, self._offset) for pair in pairs]),
+            )
+            for pairs in by_follower(self._formation.pairs).values()
         )
 
     def _vision(self, motions: Motions) -> VisionScore | None:
@@ -216,6 +221,12 @@ class Scores:
         states[..., 2] = np.unwrap(states[..., 2], axis=0)
         track = TruthTrack(motions.times[fresh], states)
         return vision_score(tuple(self._scenes), motions.ids, track, self._camera, self._side)
+
+
+def _plain(score: FollowerScore) -> dict[str, Any]:
+    """A follower's score without what its key says, and without a second leader it has not."""
+    left_out = {"follower", *(("second_leader",) if score.second_leader is None else ())}
+    return {key: value for key, value in asdict(score).items() if key not in left_out}
 
 
 def _latencies(rows: list[tuple[float, float, float]]) -> Latencies | None:

@@ -1,13 +1,17 @@
 """What holds in a scenario and what does not, with numbers, before anything moves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
-from math import cos, hypot, inf, sin
+from math import hypot, inf
+from typing import TypeAlias
 
 import numpy as np
 
-from control.geometry import Pose2D, compose, wrap_angle
+from control.command import RobotId
+from control.formation import by_follower
+from control.geometry import Pose2D, wrap_angle
 from control.laws import Law
+from control.placement import wanted_pose
 from control.unicycle import UnicycleState
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
@@ -20,6 +24,7 @@ BODY = 0.075  # side of a robot's body [m]
 LONGEST = {Law.SAMPLED_TWISTING: 0.005, Law.SUBOPTIMAL: 0.010}  # periods seen to work [s]
 MIABOT_LINK, MIABOT_COMMAND = 1150, 12  # bytes a second on a link, bytes of a full command
 GRID = 0.02  # of the walk along the plan [s]
+Places: TypeAlias = Mapping[RobotId, Pose2D]
 
 
 def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
@@ -83,8 +88,8 @@ def _gains(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
 def _sampling(setup: Setup, period: float) -> Iterator[Finding]:
     """Each law that is used, by whom, and whether it survives its period."""
     followers: dict[Law, list[str]] = {}
-    for pair in setup.formation.pairs:
-        followers.setdefault(setup.gains[pair.follower].law, []).append(str(pair.follower))
+    for robot in setup.formation.robots[1:]:
+        followers.setdefault(setup.gains[robot].law, []).append(str(robot))
     for law, robots in followers.items():
         longest = LONGEST.get(law, inf)
         yield Finding(
@@ -98,8 +103,7 @@ def _sampling(setup: Setup, period: float) -> Iterator[Finding]:
 
 def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
     """The wanted motion: inside the picture, within the wheels' reach, without contact."""
-    times = np.arange(0.0, setup.duration + GRID, GRID)
-    wanted = [_wanted_places(setup, float(t)) for t in times]
+    wanted = _wanted_course(setup)
     corner = _farthest_outside(setup, wanted)
     yield Finding(
         "field of view",
@@ -124,19 +128,29 @@ def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
     )
 
 
-def _wanted_places(setup: Setup, t: float) -> dict[object, Pose2D]:
+def _wanted_course(setup: Setup) -> list[Places]:
+    """Where the plan wants every robot, every GRID seconds of the mission."""
+    course: list[Places] = []
+    for t in np.arange(0.0, setup.duration + GRID, GRID).tolist():
+        course.append(_wanted_places(setup, t, course[-1] if course else setup.starts))
+    return course
+
+
+def _wanted_places(setup: Setup, t: float, before: Places) -> Places:
     """Every robot where the plan wants it, followers heading as their leaders do."""
     lead: UnicycleState = setup.path.at(t).state
-    places: dict[object, Pose2D] = {setup.formation.root: lead.pose}
+    places = {setup.formation.root: lead.pose}
     d = setup.follower.camera_offset
-    for pair in setup.formation.pairs:
-        shape, leader = pair.shape.at(t), places[pair.leader]
-        x = shape.distance * cos(shape.bearing) - d
-        places[pair.follower] = compose(leader, Pose2D(x, shape.distance * sin(shape.bearing), 0.0))
+    for robot, pairs in by_follower(setup.formation.pairs).items():
+        leaders = [places[pair.leader] for pair in pairs]
+        heading = places[pairs[0].leader].theta
+        near = before.get(robot, leaders[0])
+        references = [pair.shape.at(t) for pair in pairs]
+        places[robot] = wanted_pose(leaders, references, Pose2D(near.x, near.y, heading), d)
     return places
 
 
-def _farthest_outside(setup: Setup, wanted: list[dict[object, Pose2D]]) -> float:
+def _farthest_outside(setup: Setup, wanted: list[Places]) -> float:
     """By how many pixels a tag leaves the picture; negative: stays inside by as many."""
     camera, worst = setup.camera, -inf
     for places in wanted[::5]:
@@ -149,7 +163,7 @@ def _farthest_outside(setup: Setup, wanted: list[dict[object, Pose2D]]) -> float
     return worst
 
 
-def _fastest(setup: Setup, wanted: list[dict[object, Pose2D]]) -> tuple[float, object]:
+def _fastest(setup: Setup, wanted: list[Places]) -> tuple[float, RobotId]:
     """Highest speed at which a wanted place moves, jumps of the shape included [m/s]."""
     best, who = 0.0, setup.formation.root
     for before, after in pairwise(wanted):
@@ -157,11 +171,11 @@ def _fastest(setup: Setup, wanted: list[dict[object, Pose2D]]) -> tuple[float, o
             speed = hypot(pose.x - before[robot].x, pose.y - before[robot].y) / GRID
             turning = abs(wrap_angle(pose.theta - before[robot].theta)) / GRID
             if speed > best and turning < 1e3:
-                best, who = speed, robot  # type: ignore[assignment]
+                best, who = speed, robot
     return best, who
 
 
-def _smallest_gap(places: dict[object, Pose2D]) -> float:
+def _smallest_gap(places: Places) -> float:
     """Smallest distance between circles around the bodies [m]."""
     poses = list(places.values())
     gaps = [

@@ -10,11 +10,13 @@ from pydantic import AfterValidator, Field, field_validator, model_validator
 from control.errors import ControlError
 from control.laws import law_named
 from pipeline.camera_config import CameraConfig
+from pipeline.formation_config import FormationConfig
 from pipeline.palette_config import PaletteConfig
 from pipeline.section import (
     Colour,
     Finite,
     Fraction,
+    Identifier,
     NonNegative,
     Period,
     Positive,
@@ -26,9 +28,6 @@ from pipeline.sensor_config import SensorConfig
 from pipeline.surroundings_config import SurroundingsConfig
 
 PerChannel = tuple[Positive, Positive]
-Identifier = (
-    Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
-)
 
 
 def _known_law(name: str) -> str:
@@ -107,30 +106,6 @@ class RobotConfig(Section):
     law: LawName | None = None
     mass_error: SignedFraction = 0.0
     inertia_error: SignedFraction = 0.0
-
-
-class StepConfig(Section):
-    """A value that changes once: (before + after)/2 + (after - before)/2 tanh(rate (t - at))."""
-
-    before_m: Positive
-    after_m: Positive
-    at_s: NonNegative
-    rate_per_s: Positive = 10.0
-
-
-class PairConfig(Section):
-    """A follower, its leader and the wanted shape; bearing in the convention of equation (7)."""
-
-    leader: Identifier
-    follower: Identifier
-    distance_m: Positive | StepConfig
-    bearing_deg: Annotated[float, Field(ge=-180, le=180)]
-
-
-class FormationConfig(Section):
-    """The tree of leader-follower pairs."""
-
-    pairs: tuple[PairConfig, ...] = Field(min_length=1)
 
 
 class SegmentConfig(Section):
@@ -269,12 +244,9 @@ class Scenario(Section):
         return robots
 
     @model_validator(mode="after")
-    def _pairs_name_robots(self) -> Self:
+    def _formation_names_robots(self) -> Self:
         known = {robot.id for robot in self.robots}
-        for pair in self.formation.pairs if self.formation else ():
-            for robot in (pair.leader, pair.follower):
-                if robot not in known:
-                    raise ValueError(
-                        f"formation names robot {robot}, which is not among the robots"
-                    )
+        for robot in self.formation.robots if self.formation else ():
+            if robot not in known:
+                raise ValueError(f"formation names robot {robot}, which is not among the robots")
         return self

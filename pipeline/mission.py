@@ -6,6 +6,7 @@ from math import degrees
 
 from control.command import RobotId
 from control.differentiator import InitialRate, initial_rate, unwrapped
+from control.formation import by_follower
 from control.relative import Vector2, relative_state
 from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track
@@ -75,7 +76,7 @@ def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
 def initial_rates(
     setup: Setup, mission: Mission
 ) -> tuple[Mapping[RobotId, Vector2], tuple[str, ...]]:
-    """h'(0) of every pair at the start of the mission (Assumption 5, Remark 5).
+    """h'(0) of every follower at the start of the mission (Assumption 5, Remark 5).
 
     Args:
         setup: formation and start-up rules.
@@ -89,14 +90,11 @@ def initial_rates(
         return {}, ()
     rates: dict[RobotId, Vector2] = {}
     notes: list[str] = []
-    times = [glimpse.t for glimpse in mission.glimpses]
-    for index, pair in enumerate(setup.formation.pairs):
-        distances = [glimpse.distances[index] for glimpse in mission.glimpses]
-        bearings = unwrapped([glimpse.bearings[index] for glimpse in mission.glimpses])
-        distance = initial_rate(times, distances, JERK)
-        bearing = initial_rate(times, bearings, TURN_JERK)
-        rates[pair.follower] = distance.rate, bearing.rate
-        notes.append(f"robot {pair.follower} starts with {_told(distance, bearing)}")
+    for robot, pairs in by_follower(setup.formation.pairs).items():
+        seen = [_rates(mission, setup.formation.pairs.index(pair)) for pair in pairs]
+        one, two = seen[0] if len(seen) == 1 else (seen[0][0], seen[1][0])
+        rates[robot] = one.rate, two.rate
+        notes.append(f"robot {robot} starts with {_told(one, two, turns=len(seen) == 1)}")
     return rates, tuple(notes)
 
 
@@ -133,9 +131,17 @@ def _before_start(
     return replace(mission, phase="running", t_start=tick.t)
 
 
-def _told(distance: InitialRate, bearing: InitialRate) -> str:
+def _rates(mission: Mission, index: int) -> tuple[InitialRate, InitialRate]:
+    """Of distance and bearing of a pair."""
+    times = [glimpse.t for glimpse in mission.glimpses]
+    distances = [glimpse.distances[index] for glimpse in mission.glimpses]
+    bearings = unwrapped([glimpse.bearings[index] for glimpse in mission.glimpses])
+    return initial_rate(times, distances, JERK), initial_rate(times, bearings, TURN_JERK)
+
+
+def _told(one: InitialRate, two: InitialRate, turns: bool) -> str:
     """The initial rates and their spread in words."""
-    return (
-        f"distance rate {1e3 * distance.rate:.1f} +- {1e3 * distance.spread:.1f} mm/s, "
-        f"bearing rate {degrees(bearing.rate):.2f} +- {degrees(bearing.spread):.2f} deg/s"
-    )
+    first = f"distance rate {1e3 * one.rate:.1f} +- {1e3 * one.spread:.1f} mm/s"
+    if turns:
+        return f"{first}, bearing rate {degrees(two.rate):.2f} +- {degrees(two.spread):.2f} deg/s"
+    return f"{first}, {1e3 * two.rate:.1f} +- {1e3 * two.spread:.1f} mm/s from the second leader"

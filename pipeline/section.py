@@ -14,6 +14,10 @@ SignedFraction = Annotated[float, Field(gt=-1, lt=1, allow_inf_nan=False)]
 Pixels = Annotated[int, Field(ge=32, le=8192)]
 Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 
+Identifier = (
+    Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
+)
+
 
 class Section(BaseModel):
     """Base of all sections: unknown keys are errors, values do not change after loading."""

@@ -12,7 +12,7 @@ from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation
 from control.geometry import Pose2D
 from control.laws import law_named
 from control.leader import LeaderGains
@@ -25,15 +25,15 @@ from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.config import (
     ControlConfig,
-    FormationConfig,
     LeaderConfig,
-    PairConfig,
     Scenario,
     SegmentConfig,
 )
 from pipeline.errors import ConfigError
+from pipeline.formation_config import FormationConfig
 from pipeline.guard import SafetyRules
 from pipeline.seeing import Seeing, make_seeing
+from pipeline.shaping import make_formation, starts_of
 from vision.camera import CameraModel
 from vision.tags import TagSet
 
@@ -162,7 +162,7 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
     return Setup(
         name=scenario.name,
         seeing=make_seeing(scenario),
-        formation=Formation(tuple(_pair(pair) for pair in formation.pairs)),
+        formation=make_formation(scenario, formation),
         path=_path(leader),
         gains=_gains(scenario, period),
         follower=_follower(scenario),
@@ -177,11 +177,7 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
-        starts={
-            robot.id: Pose2D(robot.start.x_m, robot.start.y_m, radians(robot.start.theta_deg))
-            for robot in scenario.robots
-            if robot.start is not None
-        },
+        starts=starts_of(scenario),
     )
 
 
@@ -241,17 +237,6 @@ def _rules(scenario: Scenario) -> SafetyRules:
         s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
         s.drive_ambiguous,
     )  # fmt: skip
-
-
-def _pair(config: PairConfig) -> Pair:
-    d = config.distance_m
-    distance = (
-        TanhStep.constant(d)
-        if isinstance(d, float | int)
-        else TanhStep(d.before_m, d.after_m, d.at_s, d.rate_per_s)
-    )
-    bearing = TanhStep.constant(radians(config.bearing_deg))
-    return Pair(config.leader, config.follower, Shape(distance, bearing))
 
 
 def _path(config: LeaderConfig) -> PlannedPath:

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from control.command import Command, RobotId
-from control.formation import Pair
+from control.formation import Pair, by_follower
 from control.leader import LeaderMemory, begin_leader, leader_step
 from control.output import LeaderMotion, follower_output, wanted_output
 from control.plan import PlannedMotion
@@ -86,21 +86,6 @@ def steer(
         if memory is not None:
             followers[robot] = memory
     return Laws(leader, followers), twists
-
-
-def by_follower(pairs: Sequence[PairState]) -> Mapping[RobotId, Sequence[PairState]]:
-    """Group pairs by the robot that follows.
-
-    Args:
-        pairs: leaders first.
-
-    Returns:
-        One or two pairs by follower, in the same order.
-    """
-    groups: dict[RobotId, list[PairState]] = {}
-    for pair in pairs:
-        groups.setdefault(pair.follower, []).append(pair)
-    return groups
 
 
 def commands_of(

@@ -2,11 +2,11 @@
 
 import csv
 from collections.abc import Iterator
+from math import isnan, nan
 from pathlib import Path
 from typing import Any
 
 from control.command import RobotId
-from control.geometry import wrap_angle
 from control.unicycle import UnicycleState
 from datasets.cycle import Moment
 from datasets.errors import RecordingError
@@ -29,7 +29,7 @@ class TrajectoryFile:
             RecordingError: if the file cannot be created.
         """
         self._robots = setup.formation.robots
-        self._followers = tuple(pair.follower for pair in setup.formation.pairs)
+        self._pairs = setup.formation.pairs
         try:
             self._file = path.open("w", newline="", encoding="utf-8")
         except OSError as error:
@@ -51,17 +51,11 @@ class TrajectoryFile:
         for robot in self._robots:
             twist = commands.get(robot)
             row += [twist.v, twist.omega] if twist else ["", ""]
-        errors = {p.follower: p for p in cycle.pairs}
-        for robot in self._followers:
-            pair = errors.get(robot)
-            row += (
-                ["", ""]
-                if pair is None
-                else [
-                    pair.reference.distance - pair.relative.distance,
-                    wrap_angle(pair.reference.bearing - pair.relative.bearing),
-                ]
-            )
+        errors = {(pair.leader, pair.follower): pair.error for pair in cycle.pairs}
+        for pair in self._pairs:
+            error = errors.get((pair.leader, pair.follower), (nan, nan))
+            known = error if pair.shape.bearing else error[:1]
+            row += ["" if isnan(value) else value for value in known]
         self._rows.writerow(row)
 
     def close(self) -> None:
@@ -73,8 +67,13 @@ class TrajectoryFile:
             f"{kind}{r}_{s}" for kind in ("true", "estimate") for r in self._robots for s in STATE
         ]
         names += [f"command{r}_{s}" for r in self._robots for s in ("v_mps", "omega_radps")]
-        errors = ("distance_error_m", "bearing_error_rad")
-        return ["t_s", *names, *(f"estimate{r}_{e}" for r in self._followers for e in errors)]
+        for pair in self._pairs:
+            whose = f"estimate{pair.follower}"
+            if pair.shape.bearing is None:  # it follows two
+                names += [f"{whose}_from{pair.leader}_distance_error_m"]
+            else:
+                names += [f"{whose}_distance_error_m", f"{whose}_bearing_error_rad"]
+        return ["t_s", *names]
 
     def _states(self, known: dict[RobotId, UnicycleState]) -> Iterator[Any]:
         for robot in self._robots:

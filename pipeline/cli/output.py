@@ -109,7 +109,7 @@ def _followers(result: RunResult) -> tuple[Sequence[str], Rows]:
     )  # fmt: skip
     rows = [
         (
-            str(f.follower), str(f.leader), _number(f.distance_rms_m, 1e3),
+            str(f.follower), ", ".join(map(str, f.leaders)), _number(f.distance_rms_m, 1e3),
             _number(f.distance_max_m, 1e3), _number(f.bearing_rms_rad, 180 / pi),
             _number(f.bearing_max_rad, 180 / pi), _number(f.settled_at_s), _number(f.v_max_mps),
             _number(f.omega_max_radps),

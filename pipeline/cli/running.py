@@ -17,6 +17,7 @@ from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
 from pipeline.live import run
+from pipeline.placing import place_followers
 from pipeline.ports import Observer
 from pipeline.progress import Progress
 from pipeline.rigs import connect
@@ -95,6 +96,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     spec = (request.camera, request.radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
         scenario = _paced(scenario, rig.sink.min_period, output)
+        if request.camera != "rendered":  # a rendered world says where its robots start
+            scenario = place_followers(scenario, rig, output.say, interrupted)
         setup = make_setup(scenario)
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None

@@ -32,11 +32,10 @@ def tracking_errors(series: Series, marks: Marks) -> "Figure":
     for column, (axes, (label, scale)) in enumerate(zip(plots, units, strict=True)):
         limit = _TOLERANCES[column]
         axes.axhspan(-limit, limit, color="#bfe5cd", alpha=0.35, lw=0, zorder=0.5)
-        for pair, (true, believed) in enumerate(
-            zip(series.true_errors, series.believed_errors, strict=True)
-        ):
+        errors = zip(series.followers, series.true_errors, series.believed_errors, strict=True)
+        for robot, true, believed in errors:
             curve = scale * true[:, column], scale * believed[:, column]
-            _draw_both(axes, series, pair + 1, *curve)
+            _draw_both(axes, series, robot, *curve)
         axes.set_ylabel(label)
         draw_marks(axes, marks, text=column == 0)
         _finish_time(axes, series, last=column == 1)
@@ -115,13 +114,19 @@ def _finish_time(axes: "Axes", series: Series, last: bool) -> None:
 
 def _legend(figure: "Figure", series: Series) -> None:
     """One line below the plots: the robots, and how true and estimated are told apart."""
-    handles, names = figure.axes[0].get_legend_handles_labels()
-    if not handles:
+    drawn = zip(*figure.axes[0].get_legend_handles_labels(), strict=True)
+    curves = {name: handle for handle, name in drawn}  # a follower of two has two
+    if not curves:
         return
     both = series.has_truth and np.isfinite(series.believed).any()
     title = "wide: true, thin: estimated" if both else ("true" if series.has_truth else "estimated")
     figure.legend(
-        handles, names, title=title, title_fontsize=8, ncols=7, loc="outside lower center"
+        curves.values(),
+        curves.keys(),
+        title=title,
+        title_fontsize=8,
+        ncols=7,
+        loc="outside lower center",
     )
 
 

@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from control.formation import Pair
+from control.formation import by_follower
 from control.geometry import Pose2D
+from control.placement import wanted_pose
 from pipeline.report.marks import best_states
 from pipeline.report.series import Floats, Series
 from pipeline.report.style import GREY, color_of, new_figure, say_empty
@@ -90,13 +91,15 @@ def _draw_snapshot(axes: "Axes", setup: Setup, states: Floats, t: float) -> None
     for index, robot_id in enumerate(robots):
         if robot_id in outline:
             _draw_body(axes, outline[robot_id], poses[robot_id], color_of(index))
-    for pair in setup.formation.pairs:
-        leader, follower = poses[pair.leader], poses[pair.follower]
-        axes.plot([leader.x, follower.x], [leader.y, follower.y], color=GREY, lw=0.6, zorder=2)
-        if pair.follower in outline:
-            wanted = _wanted(pair, leader, follower, t, setup.follower.camera_offset)
-            line = placed(outline[pair.follower], wanted)
-            axes.fill(*line.T, fill=False, ec=color_of(robots.index(pair.follower)), lw=0.9, ls=":")
+    for robot, pairs in by_follower(setup.formation.pairs).items():
+        follower, leaders = poses[robot], [poses[pair.leader] for pair in pairs]
+        for leader in leaders:
+            axes.plot([leader.x, follower.x], [leader.y, follower.y], color=GREY, lw=0.6, zorder=2)
+        if robot in outline:
+            references = [pair.shape.at(t) for pair in pairs]
+            wanted = wanted_pose(leaders, references, follower, setup.follower.camera_offset)
+            line = placed(outline[robot], wanted)
+            axes.fill(*line.T, fill=False, ec=color_of(robots.index(robot)), lw=0.9, ls=":")
     lead = poses[robots[0]]
     aside = 0.085 * np.array([-sin(lead.theta), cos(lead.theta)])
     where = (lead.x + aside[0], lead.y + aside[1])
@@ -107,14 +110,3 @@ def _draw_body(axes: "Axes", outline: Floats, pose: Pose2D, color: str) -> None:
     axes.fill(*placed(outline, pose).T, fc=color, ec=color, lw=0.8, alpha=0.55, zorder=3)
     nose = placed(np.array([(0.0, 0.0), (0.5 * np.ptp(outline[:, 0]), 0.0)]), pose)
     axes.plot(*nose.T, color="white", lw=1.2, zorder=4, solid_capstyle="butt")
-
-
-def _wanted(pair: Pair, leader: Pose2D, follower: Pose2D, t: float, offset: float) -> Pose2D:
-    """Where the follower should be at t, by (6) and (7), with the heading it has."""
-    reference = pair.shape.at(t)
-    angle = leader.theta + reference.bearing
-    return Pose2D(
-        leader.x + reference.distance * cos(angle) - offset * cos(follower.theta),
-        leader.y + reference.distance * sin(angle) - offset * sin(follower.theta),
-        follower.theta,
-    )

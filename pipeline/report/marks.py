@@ -1,6 +1,6 @@
 """What happened when: turns and changes of shape as planned, and what the robots made of it."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from math import degrees
@@ -32,7 +32,7 @@ class Mark:
     start: float
     end: float
     text: str
-    align: Literal["center", "right"] = "center"
+    align: Literal["left", "center", "right"] = "center"
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,18 +117,26 @@ def changes(setup: Setup) -> tuple[Mark, ...]:
     Returns:
         Instants in order of time; pairs that change together share one.
     """
-    told: dict[float, list[str]] = {}
+    told: dict[float, dict[RobotId, list[str]]] = {}
     for pair in setup.formation.pairs:
-        steps = ((pair.shape.distance, 1.0, " m"), (pair.shape.bearing, degrees(1.0), "°"))
-        for step, scale, unit in steps:
-            if step.before != step.after and step.t <= setup.duration:
+        distances = ((step, 1.0, " m") for step in pair.shape.distance.steps)
+        turns = pair.shape.bearing.steps if pair.shape.bearing else ()
+        bearings = ((step, degrees(1.0), "°") for step in turns)
+        for step, scale, unit in (*distances, *bearings):
+            if step.t <= setup.duration:
                 what = f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
-                told.setdefault(step.t, []).append(f"{name_of(pair.follower)} {what}")
-    return tuple(Mark(t, t, _shortened(texts)) for t, texts in sorted(told.items()))
+                told.setdefault(step.t, {}).setdefault(pair.follower, []).append(what)
+    middle = 0.5 * setup.duration  # texts of early changes go right, that of the arrival left
+    return tuple(
+        Mark(t, t, _shortened(robots), "left" if t < middle else "center")
+        for t, robots in sorted(told.items())
+    )
 
 
-def _shortened(texts: list[str]) -> str:
-    return ", ".join(texts) if len(texts) <= _TOLD else f"{len(texts)} robots change places"
+def _shortened(told: Mapping[RobotId, Sequence[str]]) -> str:
+    if sum(map(len, told.values())) > _TOLD:
+        return f"{len(told)} robots change places"
+    return ", ".join(f"{name_of(robot)} {', '.join(texts)}" for robot, texts in told.items())
 
 
 def arrival(settled: Iterable[float | None]) -> tuple[Mark, ...]:

@@ -120,7 +120,7 @@ def _followers(summary: Summary) -> str:
     rows = [
         (
             name_of(f.follower),
-            name_of(f.leader),
+            ", ".join(map(name_of, f.leaders)),
             _times(f.distance_rms_m, 1e3),
             _times(f.distance_max_m, 1e3),
             _times(f.bearing_rms_rad, degrees(1.0)),

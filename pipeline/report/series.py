@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
-from control.geometry import wrap_angle
 from datasets.cycle import Moment, RobotState, SafetyEvent
 from datasets.scores import Motions, follower_errors
 from pipeline.setup import Setup
@@ -25,6 +24,7 @@ class Series:
 
     Attributes:
         robots: ids, leaders before their followers.
+        followers: of each pair, the index of its follower among the robots.
         times: mission clock at the ticks, shape (N,); from the first tick if it never started [s].
         ahead: mission clock when the commands take effect, shape (N,) [s].
         started: whether there was a mission.
@@ -42,6 +42,7 @@ class Series:
     """
 
     robots: tuple[RobotId, ...]
+    followers: tuple[int, ...]
     times: Floats
     ahead: Floats
     started: bool
@@ -128,6 +129,7 @@ class Collector:
         offset = self.setup.follower.camera_offset
         return Series(
             robots=robots,
+            followers=tuple(robots.index(pair.follower) for pair in pairs),
             times=now - start,
             ahead=ahead - start,
             started=self._start is not None,
@@ -147,15 +149,9 @@ class Collector:
 
     def _take_pairs(self, moment: Moment) -> None:
         """Predicted errors, (11), of every pair of the formation."""
-        known = {pair.follower: pair for pair in moment.cycle.pairs}
+        known = {(pair.leader, pair.follower): pair.error for pair in moment.cycle.pairs}
         for one in self.setup.formation.pairs:
-            pair = known.get(one.follower)
-            if pair is None:
-                self._pairs.extend((np.nan, np.nan))
-                continue
-            wanted, seen = pair.reference, pair.relative
-            turn = wrap_angle(wanted.bearing - seen.bearing)
-            self._pairs.extend((wanted.distance - seen.distance, turn))
+            self._pairs.extend(known.get((one.leader, one.follower), (np.nan, np.nan)))
 
     def _take_frame(self, moment: Moment) -> None:
         scene, timing, frame = moment.cycle.scene, moment.timing, moment.tick.frame

@@ -1,9 +1,8 @@
 """Moments as Rerun's curves and log lines."""
 
-from math import degrees
+from math import degrees, isfinite
 from typing import TYPE_CHECKING
 
-from control.geometry import wrap_angle
 from datasets.cycle import Moment
 from pipeline.viewers.rerun_scene import Color, dim
 from pipeline.viewers.stage import Stage, name_of
@@ -45,10 +44,12 @@ class RerunPlots:
     def _draw_errors(self, moment: Moment) -> None:
         for pair in moment.cycle.pairs:
             name, color = name_of(pair.follower), self._stage.color(pair.follower)
-            distance = pair.reference.distance - pair.relative.distance  # (11)
-            bearing = wrap_angle(pair.reference.bearing - pair.relative.bearing)
-            self._point("distance_error", name, color, 1e3 * distance)
-            self._point("bearing_error", name, color, degrees(bearing))
+            error = pair.error  # (11)
+            if isfinite(error[1]):
+                self._point("bearing_error", name, color, degrees(error[1]))
+            else:  # it follows two
+                name = f"{name} from {name_of(pair.leader)}"
+            self._point("distance_error", name, color, 1e3 * error[0])
 
     def _draw_motion(self, moment: Moment) -> None:
         """What each robot is commanded, dim, and what it is thought to do, bright."""

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from control.command import RobotId
+from control.formation import by_follower
 from datasets.cycle import Moment, RobotState
 from pipeline.viewers.stage import Floats, Stage, circle, dashes, grid, name_of
 from vision.frame import Frame
@@ -135,18 +136,20 @@ class RerunScene:
         self._lines("floor/truth", outlines, [_GREY] * len(outlines), width=1.0)
 
     def _draw_wanted(self, moment: Moment) -> None:
-        """The formation as it should be: a pale outline per follower, a line from its leader."""
+        """The formation as it should be: a pale outline per follower, lines from its leaders."""
         stage, robots = self._stage, moment.cycle.robots
         shapes: list[Floats] = []
         colors: list[Color] = []
-        for pair in moment.cycle.pairs:
-            wanted = stage.wanted_pose(pair, robots)
-            leader = next((r.state for r in robots if r.robot_id == pair.leader), None)
-            if wanted is None or leader is None:
+        places = {robot.robot_id: robot.state.pose for robot in robots}
+        for follower, pairs in by_follower(moment.cycle.pairs).items():
+            wanted, color = stage.wanted_pose(pairs, robots), dim(stage.color(follower), 0.6)
+            if wanted is None:
                 continue
-            link = np.array([(leader.x, leader.y), (wanted.x, wanted.y)])
-            shapes += [stage.outline(pair.follower, wanted) * _UP, link * _UP]
-            colors += [dim(stage.color(pair.follower), 0.6)] * 2
+            leaders = [places[pair.leader] for pair in pairs]
+            links = [np.array([(one.x, one.y), (wanted.x, wanted.y)]) for one in leaders]
+            lines = [stage.outline(follower, wanted), *links]
+            shapes += [line * _UP for line in lines]
+            colors += [color] * len(lines)
         self._lines("floor/wanted", shapes, colors, width=1.0)
 
     def _lines(

@@ -1,5 +1,6 @@
 """What a viewer draws on: the fixed things of a run, and shapes in floor coordinates."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, pi, sin
 
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from control.geometry import Pose2D
+from control.placement import wanted_pose
 from datasets.cycle import PairState, RobotState
 from vision.camera import CameraModel
 from vision.tags import Tag
@@ -91,26 +93,25 @@ class Stage:
         corners = [(-0.5, -0.5), (right, -0.5), (right, low), (-0.5, low), (-0.5, -0.5)]
         return self.camera.to_floor(np.array(corners, dtype=np.float64), 0.0)
 
-    def wanted_pose(self, pair: PairState, robots: tuple[RobotState, ...]) -> Pose2D | None:
-        """Where a follower should be now: its camera point by (6) and (7), its heading as it is.
+    def wanted_pose(
+        self, pairs: Sequence[PairState], robots: tuple[RobotState, ...]
+    ) -> Pose2D | None:
+        """Where a follower should be now, with its heading as it is.
 
         Args:
-            pair: the follower, its leader and its reference.
+            pairs: the follower, its leaders and its references.
             robots: predicted states of all robots.
 
         Returns:
-            The pose [m, m, rad], None if one of the two is not known.
+            The pose [m, m, rad], None if one of them is not known.
         """
         poses = {robot.robot_id: robot.state.pose for robot in robots}
-        if pair.leader not in poses or pair.follower not in poses:
+        follower = poses.get(pairs[0].follower)
+        leaders = [poses[pair.leader] for pair in pairs if pair.leader in poses]
+        if follower is None or len(leaders) < len(pairs):
             return None
-        leader, heading = poses[pair.leader], poses[pair.follower].theta
-        angle, d = leader.theta + pair.reference.bearing, self.camera_offset
-        return Pose2D(
-            leader.x + pair.reference.distance * cos(angle) - d * cos(heading),
-            leader.y + pair.reference.distance * sin(angle) - d * sin(heading),
-            heading,
-        )
+        references = [pair.reference for pair in pairs]
+        return wanted_pose(leaders, references, follower, self.camera_offset)
 
 
 _SQUARE = 0.0375 * np.array([(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)])

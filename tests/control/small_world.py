@@ -20,13 +20,14 @@ from control.estimation import (
     predict,
     roll,
 )
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D, wrap_angle
 from control.laws import law_named
 from control.motion_model import UNCOMMANDED
 from control.leader import LeaderGains, LeaderMemory, begin_leader, leader_step
 from control.output import LeaderMotion, pair_output, wanted_output
 from control.plan import PathSegment, Plan, PlannedPath
+from control.profile import TanhStep
 from control.relative import relative_state
 from control.sliding import (
     FollowerMemory,

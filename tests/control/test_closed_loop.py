@@ -9,9 +9,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.plan import PathSegment, PlannedPath
+from control.profile import TanhStep
 from tests.control.small_world import Case, SmallWorld, Trace, gains, paper_case
 
 SEEDS = (0, 1, 2)

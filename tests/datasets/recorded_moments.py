@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 
 from control.command import Command
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D, wrap_angle
 from control.plan import PathSegment, PlannedPath
+from control.profile import TanhStep
 from control.relative import relative_state
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, PairState, RobotState, SafetyEvent, Tick, Timing

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from control.command import Command
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D
 from control.plan import PathSegment, PlannedPath
+from control.profile import TanhStep
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import settled_at
@@ -152,11 +153,11 @@ def test_runs_without_mission_truth_or_cycles() -> None:
 
 def test_settling_is_judged_until_the_next_change() -> None:
     mission = np.arange(-5, 60) / 10.0
-    errors = np.zeros((len(mission), 2))
-    errors[mission < 1.95, 0] = 0.03
-    errors[(mission > 4.0) & (mission < 4.5), 1] = -0.2
-    assert settled_at(mission, errors, (4.0,)) == pytest.approx(2.0)
-    assert settled_at(mission, errors, ()) == pytest.approx(4.5)
-    assert settled_at(mission, errors, (1.5, 4.0)) is None
-    errors[10] = np.nan
-    assert settled_at(mission, errors, (0.7,)) is None
+    shares = np.zeros((len(mission), 2))
+    shares[mission < 1.95, 0] = 1.5
+    shares[(mission > 4.0) & (mission < 4.5), 1] = 2.0
+    assert settled_at(mission, shares, (4.0,)) == pytest.approx(2.0)
+    assert settled_at(mission, shares, ()) == pytest.approx(4.5)
+    assert settled_at(mission, shares, (1.5, 4.0)) is None
+    shares[10] = np.nan
+    assert settled_at(mission, shares, (0.7,)) is None

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
+from control.profile import TanhStep
 from datasets.cycle import SafetyEvent, Tick
 from pipeline.guard import GuardMemory, SafetyRules, watch_over
 from vision.frame import as_frame

@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 import pytest
 
-from control.formation import Formation, Pair, Shape, TanhStep
+from control.formation import Formation, Pair, Shape
+from control.profile import TanhStep
 from datasets.cycle import Moment
 from datasets.errors import RecordingError
 from datasets.recorded import SessionHeader, SessionWriter

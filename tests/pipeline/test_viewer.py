@@ -152,11 +152,11 @@ def test_wanted_pose_has_the_wanted_relative_state(stage: Stage) -> None:
         for i, p in ((1, leader), (2, follower))
     )
     pair = PairState(1, 2, RelativeState(1.0, 0.0, 0.0), ShapeReference(0.23, 2.4))
-    wanted = stage.wanted_pose(pair, robots)
+    wanted = stage.wanted_pose([pair], robots)
     assert wanted is not None
     back = relative_state(leader, wanted, stage.camera_offset)
     assert (back.distance, back.bearing) == pytest.approx((0.23, 2.4))
-    assert stage.wanted_pose(replace(pair, leader=9), robots) is None
+    assert stage.wanted_pose([replace(pair, leader=9)], robots) is None
 
 
 def test_outline_surrounds_the_robot_and_projects_onto_its_tag(stage: Stage) -> None:
