@@ -19,6 +19,7 @@ from control.value import value
 Array = NDArray[np.float64]
 
 _FINE = 0.01  # longest piece of a roll: its curve is laid along one arc [s]
+_ROUNDING = 1e-9  # a piece longer than that by rounding is no reason for two [1]
 _HOLD = 1.0 / 30.0  # for which an unknown acceleration keeps its value in MotionModel [s]
 
 UNCOMMANDED = inf
@@ -111,7 +112,7 @@ def driven(
         pose = advance_pose(state.pose, state.twist, dt)
         return UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
     goal = Twist(gain.v * command.v, gain.omega * command.omega)
-    pieces = ceil(dt / _FINE)
+    pieces = ceil(dt / _FINE - _ROUNDING)
     for _ in range(pieces):
         state = advance_lagged(state, goal, dt / pieces, lag)
     return state

@@ -98,11 +98,12 @@ class Setup:
         return self.seeing.tags
 
 
-def make_setup(scenario: Scenario) -> Setup:
+def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run.
 
     Args:
         scenario: checked scenario.
+        seeing: of a scenario with the same camera, tags and colours, where there is one.
 
     Returns:
         The setup.
@@ -114,7 +115,7 @@ def make_setup(scenario: Scenario) -> Setup:
     load_filter()
     formation, leader = _course(scenario)
     try:
-        return _setup(scenario, formation, leader)
+        return _setup(scenario, seeing or make_seeing(scenario), formation, leader)
     except ControlError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
 
@@ -155,13 +156,15 @@ def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
     return scenario.formation, scenario.leader
 
 
-def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig) -> Setup:
+def _setup(
+    scenario: Scenario, seeing: Seeing, formation: FormationConfig, leader: LeaderConfig
+) -> Setup:
     period = scenario.control.command_period_s
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
     return Setup(
         name=scenario.name,
-        seeing=make_seeing(scenario),
+        seeing=seeing,
         formation=make_formation(scenario, formation),
         path=_path(leader),
         gains=_gains(scenario, period),

@@ -59,7 +59,7 @@ class Field(NamedTuple):
         told: (R,) whether a robot is told what acceleration its leader is commanded.
         planned: (M, 7) wanted x, y, theta, v, omega, v', omega' of the leader, by the tick of the
             mission, at the moment when that tick's commands take effect.
-        wanted: (M, R, 6) wanted distance and bearing with two derivatives, likewise.
+        wanted: (M, R, 6) h^d of every follower with two derivatives, likewise.
         pose_noise: (2, 3, 3) covariance the host gives a first pose, and all others.
     """
 
@@ -113,3 +113,40 @@ class Trace(NamedTuple):
     states: Floats
     ahead: Floats
     commands: Floats
+
+
+class Goals(NamedTuple):
+    """What runs are judged by, the same in all runs of a batch.
+
+    Attributes:
+        period: between two ticks [s].
+        planned: (M, 2) the leader's place, by the tick of the mission, at that tick.
+        wanted: (M, R, 2, 2) distance and bearing about each leader, likewise.
+        leaders: (R, 2) whom a robot follows, -1 for none.
+        settles_by: (R,) the shape's first change; inf without one [s].
+        camera_offset: of the followers' camera points, d [m].
+        side: of the square bodies [m].
+    """
+
+    period: float
+    planned: Floats
+    wanted: Floats
+    leaders: Integers
+    settles_by: Floats
+    camera_offset: float
+    side: float
+
+
+class Figures(NamedTuple):
+    """How well N runs went; NaN where a figure does not apply.
+
+    Attributes:
+        followers: (N, R, 7) as in `scores.FollowerScore`: rms and maximum of the distance's error
+            [m], of the bearing's [rad], settled at [s], greatest speeds [m/s, rad/s].
+        leader: (N,) rms of its distance to the plan [m].
+        clearance: (N,) least distance between two bodies [m].
+    """
+
+    followers: Floats
+    leader: Floats
+    clearance: Floats

@@ -8,9 +8,15 @@ from numpy.typing import NDArray
 from control.channel import ChannelMemory
 from control.compilable import compilable
 from control.leader import LeaderMemory, begin_leader, lead
-from control.output import FollowerOutput, LeaderMotion, WantedOutput, pair_output
+from control.output import (
+    FollowerOutput,
+    LeaderMotion,
+    WantedOutput,
+    pair_output,
+    two_leaders_output,
+)
 from control.plan import PlannedMotion
-from control.relative import Vector2, relative_state
+from control.relative import RelativeState, Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follow
 from control.unicycle import Twist, UnicycleState
 from datasets.simulation.filters import Filters, gain_of
@@ -68,9 +74,7 @@ def steer(
     laws.leader[0], twist = _lead(laws, filters, host, field.planned[mission])
     commands[0, 0], commands[0, 1] = twist.v, twist.omega
     for robot in range(1, len(commands)):
-        own, leader = filters.ahead[robot], field.leaders[robot, 0]
-        known = _given(laws, leader) if field.told[robot] else _AT_REST
-        output = _output(filters, host, leader, own, known)
+        own, output = filters.ahead[robot], _output(laws, filters, host, field, robot)
         w = field.wanted[mission, robot]
         wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
         gains = host.gains[field.gains[robot]]
@@ -99,12 +103,29 @@ def _lead(
 
 @compilable
 def _output(
-    filters: Filters, host: Host, leader: int, own: UnicycleState, known: Vector2
+    laws: Laws, filters: Filters, host: Host, field: Field, robot: int
 ) -> FollowerOutput:
-    """A follower's output, from its leader's state and what is known of its commands."""
-    state, d = filters.ahead[leader], host.follower.camera_offset
-    motion = LeaderMotion(state.twist, known)
-    return pair_output(relative_state(state.pose, own.pose, d), own.twist, motion, d)
+    """A follower's output, from what is believed and known of its one leader, or of both."""
+    own, d = filters.ahead[robot].twist, host.follower.camera_offset
+    relative, motion = _leader_of(laws, filters, host, field, robot, 0)
+    if field.leaders[robot, 1] < 0:
+        return pair_output(relative, own, motion, d)
+    other, other_motion = _leader_of(laws, filters, host, field, robot, 1)
+    return two_leaders_output((relative, other), own, (motion, other_motion), d)
+
+
+@compilable
+def _leader_of(
+    laws: Laws, filters: Filters, host: Host, field: Field, robot: int, which: int
+) -> tuple[RelativeState, LeaderMotion]:
+    """Relative state and motion of one of a robot's leaders."""
+    leader = field.leaders[robot, which]
+    own, state = filters.ahead[robot], filters.ahead[leader]
+    relative = relative_state(state.pose, own.pose, host.follower.camera_offset)
+    given = _AT_REST
+    if field.told[robot]:
+        given = _given(laws, leader)
+    return relative, LeaderMotion(state.twist, given)
 
 
 @compilable

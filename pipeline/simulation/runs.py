@@ -1,0 +1,83 @@
+"""Many runs of an experiment, some at a time: between them there is time for Ctrl-C."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from datasets.simulation.inputs import Chance, Figures, Trace
+from datasets.simulation.kernel import run_batch
+from datasets.simulation.scoring import score_batch
+from pipeline.simulation.draw import Drawer, Drawn
+from pipeline.simulation.experiment import Experiment
+
+AT_A_TIME = 64
+"""Runs of one call of machine code."""
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """Some runs.
+
+    Attributes:
+        drawn: what chance decided.
+        trace: what they were, tick by tick.
+        figures: how well they went.
+    """
+
+    drawn: Drawn
+    trace: Trace
+    figures: Figures
+
+
+def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
+    """Run and score.
+
+    Args:
+        experiment: of all runs.
+        seeds: one a run, >= 0.
+
+    Yields:
+        The runs in their order, at most `AT_A_TIME` together.
+    """
+    drawer = Drawer(experiment)
+    for first in range(0, len(seeds), AT_A_TIME):
+        yield run_some(experiment, drawer.draw(seeds[first : first + AT_A_TIME]))
+
+
+def run_some(experiment: Experiment, drawn: Drawn) -> Batch:
+    """Run and score what was drawn.
+
+    Args:
+        experiment: of all runs.
+        drawn: what happens to them.
+
+    Returns:
+        The runs.
+    """
+    trace = _empty_trace(drawn.chance)
+    run_batch(experiment.host, experiment.field, drawn.chance, trace)
+    return Batch(drawn, trace, score(experiment, drawn.chance, trace))
+
+
+def score(experiment: Experiment, chance: Chance, trace: Trace) -> Figures:
+    """Score runs.
+
+    Args:
+        experiment: of all runs.
+        chance: says when their missions began and they ended.
+        trace: what they were.
+
+    Returns:
+        Their figures.
+    """
+    runs, _, robots, _ = trace.states.shape
+    figures = Figures(np.full((runs, robots, 7), np.nan), np.empty(runs), np.empty(runs))
+    score_batch(experiment.goals, chance, trace, figures)
+    return figures
+
+
+def _empty_trace(chance: Chance) -> Trace:
+    shape = *chance.frame.shape, chance.noise.shape[2]
+    states, ahead = np.empty((*shape, 5)), np.empty((*shape, 5))
+    return Trace(states, ahead, np.zeros((*shape, 2)))
