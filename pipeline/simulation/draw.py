@@ -109,11 +109,11 @@ def _chance(
     tables: Sequence[Timetable],
     noises: Sequence[Floats],
 ) -> Chance:
-    ticks = max(len(table.rows) for table in tables)
-    frames = max(len(table.frames) for table in tables)
+    ticks = max((len(table.rows) for table in tables), default=0)
+    frames = max((len(table.frames) for table in tables), default=0)
     shape = len(tables), ticks
     chance = Chance(
-        ticks=np.array([(*table.driving, len(table.rows)) for table in tables]),
+        ticks=np.array([(*table.driving, len(table.rows)) for table in tables], int).reshape(-1, 3),
         mission=np.full(shape, -1),
         share=np.ones(shape),
         frame=np.full(shape, -1),

@@ -45,6 +45,15 @@ def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
         yield run_some(experiment, drawer.draw(seeds[first : first + AT_A_TIME]))
 
 
+def load_kernel(experiment: Experiment) -> None:
+    """Compile the machine code, or load it from disk, by running nothing.
+
+    Args:
+        experiment: any.
+    """
+    run_some(experiment, Drawer(experiment).draw(()))
+
+
 def run_some(experiment: Experiment, drawn: Drawn) -> Batch:
     """Run and score what was drawn.
 
