@@ -31,7 +31,6 @@ class Host:
     Attributes:
         period: between two ticks [s].
         delay: from sending a command to its effect [s].
-        gains: the followers' laws and gains; `Field.gains` says whose is which.
         follower: geometry and motors.
         leader: gains of the leader's law.
         motion: model of a robot that obeys the commands sent.
@@ -40,7 +39,6 @@ class Host:
 
     period: float
     delay: float
-    gains: Gains
     follower: FollowerModel
     leader: LeaderGains
     motion: MotionModel

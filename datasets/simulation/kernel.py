@@ -5,35 +5,38 @@ from numba import prange
 
 from control.compilable import compilable
 from datasets.simulation.filters import Filters, nothing_seen, roll_ahead, see
-from datasets.simulation.inputs import Chance, Field, Floats, Host, Trace
+from datasets.simulation.inputs import Chance, Field, Floats, Gains, Host, Trace
 from datasets.simulation.laws import Laws, laws_at_rest, steer
 from datasets.simulation.plants import Plants, drive_until, place
 from vision.compiled import compiled_side_by_side
 
 
 @compiled_side_by_side
-def run_batch(host: Host, field: Field, chance: Chance, trace: Trace) -> None:
+def run_batch(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace) -> None:
     """Run N closed loops. A run's bits depend on its own row of `chance` alone.
 
     Args:
         host: what the host knows and wants.
+        gains: the followers' laws and gains; `Field.gains` says whose is which.
         field: robots and references.
         chance: what happens to every run.
         trace: filled.
     """
     for run in prange(len(chance.ticks)):
-        _run(host, field, chance, trace, run)
+        _run(host, gains, field, chance, trace, run)
 
 
 @compilable
-def _run(host: Host, field: Field, chance: Chance, trace: Trace, run: int) -> None:
+def _run(
+    host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int
+) -> None:
     """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
     count, first = len(field.starts), chance.ticks[run, 0]
     sent, rates = trace.commands[run], chance.rates[run]
     plants = place(field, chance.tones[run], chance.lost[run], chance.taken[run], first)
-    filters, laws = nothing_seen(count), laws_at_rest(count)
+    filters, laws = nothing_seen(count), laws_at_rest(gains, field.gains)
     for tick in range(chance.ticks[run, 2]):
-        drive_until(plants, field, host, sent, tick)
+        drive_until(plants, field, host.period, host.delay, sent, tick)
         frame = chance.frame[run, tick]
         if frame >= 0:
             measured = plants.poses[frame] + chance.noise[run, frame]

@@ -17,42 +17,47 @@ from control.output import (
 )
 from control.plan import PlannedMotion
 from control.relative import RelativeState, Vector2, relative_state
-from control.sliding import FollowerMemory, FollowerSample, begin, follow
+from control.sliding import FollowerMemory, FollowerSample, SlidingGains, begin, follow
 from control.unicycle import Twist, UnicycleState
 from datasets.simulation.filters import Filters, gain_of
-from datasets.simulation.inputs import Field, Floats, Host
+from datasets.simulation.inputs import Field, Floats, Gains, Host, Integers
 
 _AT_REST = (0.0, 0.0)
 
 
 class Laws(NamedTuple):
-    """Memories of the laws.
+    """The laws of all robots.
 
     Attributes:
+        gains: law and gains by robot.
         leader: one, of the formation's leader.
         followers: by robot.
         begun: (R,) whether a robot's law runs.
     """
 
+    gains: list[SlidingGains]
     leader: list[LeaderMemory]
     followers: list[FollowerMemory]
     begun: NDArray[np.bool_]
 
 
 @compilable
-def laws_at_rest(count: int) -> Laws:
+def laws_at_rest(gains: Gains, kinds: Integers) -> Laws:
     """Laws that have not begun.
 
     Args:
-        count: number of robots.
+        gains: the followers' laws and gains.
+        kinds: (R,) which of them is a robot's.
 
     Returns:
-        Their memories.
+        The laws.
     """
+    count = len(kinds)
     leader = [LeaderMemory(_AT_REST, _AT_REST, _AT_REST, _AT_REST, True)]
     channel = ChannelMemory(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     followers = [FollowerMemory(channel, channel, _AT_REST, True) for _ in range(count)]
-    return Laws(leader, followers, np.zeros(count, np.bool_))
+    own = [gains[kind] for kind in kinds]
+    return Laws(own, leader, followers, np.zeros(count, np.bool_))
 
 
 @compilable
@@ -63,9 +68,9 @@ def steer(
     """One sample of every law.
 
     Args:
-        laws: their memories.
+        laws: with their memories.
         filters: states at the moment the commands take effect.
-        host: gains and models.
+        host: models.
         field: references and who follows whom.
         mission: tick of the mission.
         rates: (R, 2) h'(0), for laws that begin.
@@ -77,7 +82,7 @@ def steer(
         own, output = filters.ahead[robot], _output(laws, filters, host, field, robot)
         w = field.wanted[mission, robot]
         wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
-        gains = host.gains[field.gains[robot]]
+        gains = laws.gains[robot]
         memory = laws.followers[robot]
         if not laws.begun[robot]:
             memory = begin(output, wanted, (rates[robot, 0], rates[robot, 1]), gains)

@@ -11,7 +11,7 @@ from control.compilable import compilable
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
 from datasets.plant import GRID, SLACK, Motion, motion_after, wave
-from datasets.simulation.inputs import Field, Floats, Host, Integers
+from datasets.simulation.inputs import Field, Floats, Integers
 
 
 @value
@@ -96,67 +96,57 @@ def place(
 
 
 @compilable
-def drive_until(plants: Plants, field: Field, host: Host, sent: Floats, tick: int) -> None:
+def drive_until(
+    plants: Plants, field: Field, period: float, delay: float, sent: Floats, tick: int
+) -> None:
     """Let all robots drive until a tick; pictures that fall due on the way are taken.
 
     Args:
         plants: the robots.
         field: their constants.
-        host: period and delay.
+        period: between two ticks [s].
+        delay: from a tick to the arrival of its commands [s].
         sent: (T, R, 2) commands of all ticks before this one.
         tick: number of the tick.
     """
-    t = tick * host.period
+    t = tick * period
     for robot in range(len(plants.legs)):
+        leg, (grid, command, picture) = plants.legs[robot], plants.next[robot]
         while True:
-            due = plants.next[robot, 0] * GRID
-            arrival = _arrival(plants, host, robot, tick)
+            while command < tick and plants.lost[command, robot]:
+                command += 1
+            due, arrival = grid * GRID, command * period + delay if command < tick else inf
             begin = due if abs(arrival - due) < SLACK else min(arrival, due)
-            _take_pictures(plants, robot, min(begin, t))
+            until = min(begin, t)
+            while picture < len(plants.taken) and plants.taken[picture] <= until:
+                _take_picture(plants.poses[picture, robot], leg.at(plants.taken[picture]))
+                picture += 1
             if begin > t:
                 break
             if arrival < begin + SLACK:
-                command = sent[plants.next[robot, 1], robot]
-                plants.drive[robot, 0], plants.drive[robot, 1] = command[0], command[1]
-                plants.next[robot, 1] += 1
-            if begin == due:
-                plants.next[robot, 0] += 1
-            plants.legs[robot] = _leg(plants, field, robot, begin)
+                plants.drive[robot] = sent[command, robot]
+                command += 1
+            grid += begin == due
+            leg = _next_leg(leg, begin, field.plants[robot], plants.drive[robot], plants.tones[robot])
+        plants.legs[robot] = leg
+        plants.next[robot] = grid, command, picture
 
 
 @compilable
-def _arrival(plants: Plants, host: Host, robot: int, tick: int) -> float:
-    """When the next command of those sent before a tick arrives; inf without one."""
-    while plants.next[robot, 1] < tick and plants.lost[plants.next[robot, 1], robot]:
-        plants.next[robot, 1] += 1
-    number = plants.next[robot, 1]
-    return number * host.period + host.delay if number < tick else inf
+def _take_picture(pose: Floats, motion: Motion) -> None:
+    pose[0], pose[1], pose[2] = motion[0], motion[1], motion[2]
 
 
 @compilable
-def _take_pictures(plants: Plants, robot: int, until: float) -> None:
-    """Note where a robot is in the pictures that its present leg reaches."""
-    leg, number = plants.legs[robot], plants.next[robot, 2]
-    while number < len(plants.taken) and plants.taken[number] <= until:
-        x, y, theta, _, _ = leg.at(plants.taken[number])
-        pose = plants.poses[number, robot]
-        pose[0], pose[1], pose[2] = x, y, theta
-        number += 1
-    plants.next[robot, 2] = number
-
-
-@compilable
-def _leg(plants: Plants, field: Field, robot: int, t: float) -> Leg:
+def _next_leg(leg: Leg, t: float, plant: Floats, drive: Floats, tones: Floats) -> Leg:
     """A step that begins now, under the present drive and disturbance."""
-    motion = plants.legs[robot].at(t)
-    lag, mass, inertia, v_most, omega_most, v_push, omega_push = field.plants[robot]
-    if np.isnan(plants.drive[robot, 0]):  # not commanded yet: the motors keep what they do
-        start = field.starts[robot]
-        return Leg(t, motion, start[3], start[4], lag)
-    wanted = Twist(plants.drive[robot, 0], plants.drive[robot, 1])
-    drive = SpeedLimits(v_most, omega_most).saturate(wanted)
-    goal_v, goal_omega = (1.0 + mass) * drive.v, (1.0 + inertia) * drive.omega
+    motion = leg.at(t)
+    if np.isnan(drive[0]):  # not commanded yet: the motors keep what they do
+        return Leg(t, motion, leg.goal_v, leg.goal_omega, leg.lag)
+    lag, mass, inertia, v_most, omega_most, v_push, omega_push = plant
+    wanted = SpeedLimits(v_most, omega_most).saturate(Twist(drive[0], drive[1]))
+    goal_v, goal_omega = (1.0 + mass) * wanted.v, (1.0 + inertia) * wanted.omega
     if v_push > 0.0 or omega_push > 0.0:
-        goal_v += lag * v_push * wave(plants.tones[robot, 0], t)
-        goal_omega += lag * omega_push * wave(plants.tones[robot, 1], t)
+        goal_v += lag * v_push * wave(tones[0], t)
+        goal_omega += lag * omega_push * wave(tones[1], t)
     return Leg(t, motion, goal_v, goal_omega, lag)

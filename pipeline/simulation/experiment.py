@@ -9,7 +9,7 @@ import numpy as np
 from control.formation import Pair, by_follower
 from control.output import wanted_output
 from control.sliding import SlidingGains
-from datasets.simulation.inputs import MOST_GAINS, Field, Floats, Goals, Host, Integers
+from datasets.simulation.inputs import MOST_GAINS, Field, Floats, Gains, Goals, Host, Integers
 from datasets.world import RobotPlant
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
@@ -30,6 +30,7 @@ class Experiment:
         setup: of the same scenario.
         plants: the robots of the formation as they really are, leaders first.
         host: what the host knows and wants.
+        gains: the followers' laws and gains.
         field: robots and references.
         goals: what runs are judged by.
         ticks: of a run at most.
@@ -39,6 +40,7 @@ class Experiment:
     setup: Setup
     plants: tuple[RobotPlant, ...]
     host: Host
+    gains: Gains
     field: Field
     goals: Goals
     ticks: int
@@ -71,24 +73,25 @@ def make_experiment(
     plants = tuple(everybody[robot] for robot in setup.formation.robots)
     last = duration if duration is not None else setup.duration + PATIENCE
     kinds = tuple(dict.fromkeys(setup.gains[robot] for robot in setup.formation.robots))
-    host = _host(setup, kinds)
+    host = Host(
+        setup.period, setup.radio_delay, setup.follower, setup.leader_gains, setup.motion,
+        setup.free_motion,
+    )  # fmt: skip
+    field = _field(scenario, setup, plants, kinds)
     ticks = ceil(last / setup.period - 1e-9)
     return Experiment(
-        scenario, setup, plants, host, _field(scenario, setup, plants, kinds), _goals(setup), ticks
+        scenario, setup, plants, host, _gains(setup, kinds), field, _goals(setup), ticks
     )
 
 
-def _host(setup: Setup, kinds: Sequence[SlidingGains]) -> Host:
+def _gains(setup: Setup, kinds: Sequence[SlidingGains]) -> Gains:
     if len(kinds) > MOST_GAINS:
         raise ConfigError(
             f"scenario {setup.name}: {len(kinds)} kinds of followers' gains, simulate takes "
             f"{MOST_GAINS}: let some robots have the same law and gains"
         )
     a, b, c, d, e, f, g, h = (*kinds, *(kinds[0],) * (MOST_GAINS - len(kinds)))
-    return Host(
-        setup.period, setup.radio_delay, (a, b, c, d, e, f, g, h), setup.follower,
-        setup.leader_gains, setup.motion, setup.free_motion,
-    )  # fmt: skip
+    return a, b, c, d, e, f, g, h
 
 
 def _field(

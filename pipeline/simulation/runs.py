@@ -65,7 +65,7 @@ def run_some(experiment: Experiment, drawn: Drawn) -> Batch:
         The runs.
     """
     trace = _empty_trace(drawn.chance)
-    run_batch(experiment.host, experiment.field, drawn.chance, trace)
+    run_batch(experiment.host, experiment.gains, experiment.field, drawn.chance, trace)
     return Batch(drawn, trace, score(experiment, drawn.chance, trace))
 
 
