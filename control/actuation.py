@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from math import exp, isfinite
 
+from control.compilable import compilable
 from control.errors import ControlError
 from control.relative import Vector2
 from control.unicycle import SpeedLimits, Twist
@@ -71,11 +72,60 @@ class Actuation:
         """
         u1 = max(-self.v_rate_limit, min(self.v_rate_limit, acceleration[0]))
         u2 = max(-self.omega_rate_limit, min(self.omega_rate_limit, acceleration[1]))
-        share = (1.0 - exp(-dt / self.lag)) / dt  # of the gap to the command, closed per second
+        share = _share(self.lag, dt)
         v, omega = (own.v + u1 / share) / gain.v, (own.omega + u2 / share) / gain.omega
         command = self.limits.saturate(Twist(v, omega))
+        return command, self.acceleration(own, command, dt, gain)
+
+    def acceleration(
+        self, own: Twist, command: Twist, dt: float, gain: DriveGain = NOMINAL_GAIN
+    ) -> Vector2:
+        """The mean acceleration that a command gives while it holds.
+
+        Args:
+            own: velocities when the command takes effect [m/s, rad/s].
+            command: within the limits [m/s, rad/s].
+            dt: period for which the command holds [s].
+            gain: drive gains, both > 0.
+
+        Returns:
+            Forward and angular acceleration [m/s^2, rad/s^2].
+        """
+        share = _share(self.lag, dt)
         a1, a2 = gain.v * command.v - own.v, gain.omega * command.omega - own.omega
-        return command, (a1 * share, a2 * share)
+        return a1 * share, a2 * share
+
+    def reachable(
+        self, own: Twist, dt: float, gain: DriveGain = NOMINAL_GAIN
+    ) -> tuple[Twist, Twist]:
+        """The velocities that commands within all limits lead to.
+
+        Args:
+            own: velocities when the command takes effect [m/s, rad/s].
+            dt: period for which the command holds [s].
+            gain: drive gains, both > 0.
+
+        Returns:
+            The least and the greatest velocities at its end [m/s, rad/s].
+        """
+        v, omega, r1, r2 = (
+            self.limits.v,
+            self.limits.omega,
+            self.v_rate_limit,
+            self.omega_rate_limit,
+        )
+        a1, a2 = self.acceleration(own, Twist(-v, -omega), dt, gain)
+        b1, b2 = self.acceleration(own, Twist(v, omega), dt, gain)
+        return (
+            Twist(own.v + dt * max(a1, -r1), own.omega + dt * max(a2, -r2)),
+            Twist(own.v + dt * min(b1, r1), own.omega + dt * min(b2, r2)),
+        )
+
+
+@compilable
+def _share(lag: float, dt: float) -> float:
+    """Of the gap between velocity and command, closed per second [1/s]."""
+    return (1.0 - exp(-dt / lag)) / dt
 
 
 def require_finite(what: str, *values: float) -> None:

@@ -1,4 +1,4 @@
-"""The formation's leader: the first-order law with which it tracks its plan."""
+"""The formation's leader: the first-order law with which it tracks its plan, or another by name."""
 
 from dataclasses import dataclass
 from math import cos, sin
@@ -6,8 +6,10 @@ from math import cos, sin
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.compilable import compilable
 from control.errors import ControlError
+from control.laws import LeaderLaw
 from control.plan import PlannedMotion
 from control.relative import Vector2
+from control.tracking import linearising_input, saturated_input
 from control.unicycle import Twist, UnicycleState
 from control.value import value
 
@@ -15,14 +17,16 @@ from control.value import value
 @value
 @dataclass(frozen=True, slots=True)
 class LeaderGains:
-    """Gains of the leader's first-order integral sliding mode, both floor axes alike.
+    """Law and gains of the leader, both floor axes alike.
 
     Attributes:
         proportional: K of (16), > 0 [1/s].
         integral: L of (16), > 0 [1/s^2].
         reaching: lambda of (19), the disturbance it can reject, > 0 [m/s^2].
-        horizon: in which s is brought to 0, at least the period is used [s].
+        horizon: in which s is brought to 0, or the other laws' velocities are reached; at least
+            the period is used [s].
         point_offset: from the axle forward to the point that is tracked, d > 0 [m].
+        law: SLIDING; the others take K, L and the horizon alone (`control.tracking`).
 
     Raises:
         ControlError: if a gain is not positive.
@@ -33,6 +37,7 @@ class LeaderGains:
     reaching: float = 3.0
     horizon: float = 0.1
     point_offset: float = 0.1
+    law: LeaderLaw = LeaderLaw.SLIDING
 
     def __post_init__(self) -> None:
         gains = (self.proportional, self.integral, self.reaching, self.horizon, self.point_offset)
@@ -128,18 +133,19 @@ def lead(
     actuation: Actuation,
     gain: DriveGain,
 ) -> tuple[LeaderMemory, Twist]:
-    """One sample of the first-order law for finite numbers, (14) and (16)-(19), on the point ahead.
+    """One sample for finite numbers: of the first-order law (14), (16)-(19) on the point ahead.
 
     The output is the point c = p + d e(theta) against the planned c^d; there l and psi of a
     follower have no counterpart, but G and F do: c'' = G u + F with G = R(theta) diag(1, d).
-    (19) is solved for the end of the horizon, which takes the chatter out of Sign.
+    (19) is solved for the end of the horizon, which takes the chatter out of Sign. Or of another
+    law, by the gains.
 
     Args:
         memory: from ``begin_leader`` or the step before.
         state: predicted state when the command takes effect.
         planned: wanted motion at that moment.
         dt: time since the step before, also how long the command will hold, > 0 [s].
-        gains: K, L, lambda.
+        gains: law, K, L, lambda.
         actuation: motor lag and limits.
         gain: the robot's drive gains.
 
@@ -150,10 +156,14 @@ def lead(
     integral = _integral(memory, error, dt)
     k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
     s = rate[0] + k * error[0] + l * integral[0], rate[1] + k * error[1] + l * integral[1]  # (16)
-    v = _control(s, rate, error, max(gains.horizon, dt), gains)
-    wanted = _point(planned.state, planned.v_rate, planned.omega_rate, gains.point_offset)
-    a = wanted.acceleration[0] - v[0], wanted.acceleration[1] - v[1]
-    u = _input(state, a, gains.point_offset)
+    horizon = max(gains.horizon, dt)
+    if gains.law == LeaderLaw.SATURATED:
+        u = saturated_input(state, planned, k, horizon)
+    elif gains.law == LeaderLaw.LINEARISING:
+        u = linearising_input(state, planned, k, l, horizon)
+    else:
+        v = _control(s, rate, error, horizon, gains)
+        u = _point_input(state, planned, v, gains.point_offset)
     command, given = actuation.command(state.twist, u, dt, gain)
     return LeaderMemory(error, integral, s, given, False), command
 
@@ -211,9 +221,10 @@ def _integral(memory: LeaderMemory, error: Vector2, dt: float) -> Vector2:
 
 
 @compilable
-def _input(state: UnicycleState, acceleration: Vector2, d: float) -> Vector2:
-    """u of (14): the accelerations that give the point ahead the wanted one."""
+def _point_input(state: UnicycleState, planned: PlannedMotion, v: Vector2, d: float) -> Vector2:
+    """u of (14): the accelerations that give the point ahead those of its plan less v."""
+    wanted = _point(planned.state, planned.v_rate, planned.omega_rate, d).acceleration
+    ax, ay = wanted[0] - v[0], wanted[1] - v[1]
     c, s = cos(state.theta), sin(state.theta)
-    ax, ay = acceleration
     forward, left = ax * c + ay * s, ay * c - ax * s
     return forward + d * state.omega**2, (left - state.v * state.omega) / d

@@ -4,11 +4,13 @@ The control is Delta v of (18): a sign, its boundary layer, its implicit form, o
 """
 
 from dataclasses import dataclass
-from math import sqrt
+from math import hypot, sqrt
 
 from control.compilable import compilable
 from control.errors import ControlError
 from control.laws import Law
+from control.output import FollowerOutput
+from control.relative import Vector2, apply
 from control.value import value
 
 
@@ -90,3 +92,32 @@ def super_twist(s: float, integral: float, lipschitz: float, tau: float) -> tupl
     root = sqrt(0.25 * tau * tau * k1 * k1 + size - tau * tau * k2) - 0.5 * tau * k1
     integral -= tau * k2 * sign
     return integral - (k1 * root + tau * k2) * sign, integral
+
+
+@compilable
+def reaching_strength(nominal: Vector2, output: FollowerOutput, gains: ReachingGains) -> float:
+    """lambda of (20) for the distance; by the size of the second entry for that.
+
+    In metres, bearings times l, G Delta G^-1 is a rotated Delta: its norm is the larger of |eps|
+    and |eps'|. With G own the nominal part is h^d'' - F + K e_2 + L e_1: the proof of Theorem 1
+    needs this sum, where (20) prints F - h^d'' + K e_2 + L e_1. It also takes the vector Sign(s)
+    for one of length 1; for any s, c = 1 - 2^(1/2) |Delta| is needed.
+
+    Args:
+        nominal: h^d'' - F_i + K e_2 + L e_1 [m/s^2, rad/s^2].
+        output: G, own-velocity terms and size at this moment.
+        gains: what is assumed of the disturbances.
+
+    Returns:
+        lambda [m/s^2].
+    """
+    o1, o2 = apply(output.input_matrix, output.own)
+    size = output.size
+    asked = hypot(nominal[0] + o1, size * (nominal[1] + o2))
+    push_v, push_omega = gains.disturbance
+    (a, b), (c, d) = output.input_matrix
+    pushed = hypot(
+        abs(a) * push_v + abs(b) * push_omega, size * (abs(c) * push_v + abs(d) * push_omega)
+    )
+    rho = gains.model_error * asked + pushed
+    return (rho + gains.margin) / (1.0 - sqrt(2.0) * gains.model_error)  # |Sign| is 2^1/2

@@ -5,7 +5,7 @@ first-order one (14), (16)-(20) also the leader's. Which one is a name in the ga
 """
 
 from dataclasses import dataclass
-from math import hypot, inf, sqrt
+from math import inf
 
 from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
@@ -13,8 +13,8 @@ from control.compilable import compilable
 from control.errors import ControlError
 from control.laws import Law, is_first_order
 from control.output import FollowerOutput, WantedOutput, output_error
-from control.reaching import ReachingGains, reach, super_twist
-from control.relative import Vector2, apply
+from control.reaching import ReachingGains, reach, reaching_strength, super_twist
+from control.relative import Matrix2, Vector2, apply
 from control.twisting import TwistingGains, twist
 from control.unicycle import Twist
 from control.value import value
@@ -205,6 +205,31 @@ def follow(
 
 
 @compilable
+def overruled(
+    memory: FollowerMemory, input_matrix: Matrix2, acceleration: Vector2
+) -> FollowerMemory:
+    """The memory of a law whose command was replaced by another one.
+
+    Args:
+        memory: of the step.
+        input_matrix: G of the step's output.
+        acceleration: what the other command gives [m/s^2, rad/s^2].
+
+    Returns:
+        The memory with the v that is really applied (27), so that nothing winds up.
+    """
+    a, b = memory.acceleration
+    g1, g2 = apply(input_matrix, (acceleration[0] - a, acceleration[1] - b))
+    one, two = memory.distance, memory.bearing
+    return FollowerMemory(
+        _applied(one, one.applied - g1, one.own),
+        _applied(two, two.applied - g2, two.own),
+        acceleration,
+        False,
+    )
+
+
+@compilable
 def _sampled(
     memory: FollowerMemory, error: Vector2, rate: Vector2, dt: float, gains: SlidingGains
 ) -> tuple[ChannelMemory, ChannelMemory]:
@@ -242,31 +267,10 @@ def _first_order(
     k1, k2 = gains.distance, gains.bearing
     f1 = -k1.proportional * rate[0] - k1.integral * error[0]
     f2 = -k2.proportional * rate[1] - k2.integral * error[1]
-    strength = _strength((feed[0] - f1, feed[1] - f2), output, gains.reaching)
+    strength = reaching_strength((feed[0] - f1, feed[1] - f2), output, gains.reaching)
     d1, own1 = _reach(one, strength, 1.0, dt, gains)
     d2, own2 = _reach(two, strength, output.size, dt, gains)
     return (f1 + d1, own1), (f2 + d2, own2)
-
-
-@compilable
-def _strength(nominal: Vector2, output: FollowerOutput, gains: ReachingGains) -> float:
-    """lambda of (20) for the distance; by the size of the second entry for that [m/s^2].
-
-    In metres, bearings times l, G Delta G^-1 is a rotated Delta: its norm is the larger of |eps|
-    and |eps'|. `nominal` is h^d'' - F_i + K e_2 + L e_1, with G own h^d'' - F + K e_2 + L e_1: the
-    proof of Theorem 1 needs this sum, where (20) prints F - h^d'' + K e_2 + L e_1. It also takes
-    the vector Sign(s) for one of length 1; for any s, c = 1 - 2^(1/2) |Delta| is needed.
-    """
-    o1, o2 = apply(output.input_matrix, output.own)
-    size = output.size
-    asked = hypot(nominal[0] + o1, size * (nominal[1] + o2))
-    push_v, push_omega = gains.disturbance
-    (a, b), (c, d) = output.input_matrix
-    pushed = hypot(
-        abs(a) * push_v + abs(b) * push_omega, size * (abs(c) * push_v + abs(d) * push_omega)
-    )
-    rho = gains.model_error * asked + pushed
-    return (rho + gains.margin) / (1.0 - sqrt(2.0) * gains.model_error)  # |Sign| is 2^1/2
 
 
 @compilable

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from control.errors import ControlError
-from control.laws import law_named
+from control.laws import law_named, leader_law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
 from pipeline.palette_config import PaletteConfig
@@ -38,6 +38,15 @@ def _known_law(name: str) -> str:
     return name
 
 
+def _known_leader_law(name: str) -> str:
+    try:
+        leader_law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
+
+
+LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
 LawName = Annotated[str, AfterValidator(_known_law)]
 
 
@@ -136,6 +145,7 @@ class LeaderConfig(Section):
     integral: Positive = 16.0
     reaching_mps2: Positive = 3.0
     point_offset_m: Positive = 0.1
+    law: LeaderLawName = "sliding"
 
 
 class ControlConfig(Section):
@@ -195,7 +205,7 @@ class RadioConfig(Section):
 
 
 class SafetyConfig(Section):
-    """When robots are slowed and stopped."""
+    """When robots are slowed and stopped, and how far their bodies are kept apart."""
 
     slow_after_s: Positive = 0.2
     stop_after_s: Positive = 0.3
@@ -203,6 +213,9 @@ class SafetyConfig(Section):
     good_frames_s: NonNegative = 1.0
     give_up_s: Positive = 10.0
     drive_ambiguous: bool = False
+    clearance_m: NonNegative = 0.02
+    approach_rate_per_s: Positive = 8.0
+    arena_m: tuple[Finite, Finite, Finite, Finite] | None = None
 
     @model_validator(mode="after")
     def _slow_before_stop(self) -> Self:

@@ -88,10 +88,12 @@ class Laws:
     Attributes:
         leader: of the formation's leader.
         followers: by robot.
+        kept: when each robot was last kept off other bodies [s].
     """
 
     leader: LeaderMemory | None = None
     followers: Mapping[RobotId, FollowerMemory] = field(default_factory=dict)
+    kept: Mapping[RobotId, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

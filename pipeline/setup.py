@@ -14,15 +14,17 @@ from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
 from control.formation import Formation
 from control.geometry import Pose2D
-from control.laws import law_named
+from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
 from control.motion_model import UNCOMMANDED
 from control.plan import PathSegment, PlannedPath
 from control.reaching import ReachingGains
+from control.safety import Arena, Clearance
 from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
+from pipeline.clearing import rehearse_clearing
 from pipeline.config import (
     ControlConfig,
     LeaderConfig,
@@ -38,6 +40,7 @@ from vision.camera import CameraModel
 from vision.tags import TagSet
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
+RESERVE = 0.002  # of the clearance, for what poses and motors are off by [m]
 SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
 
 
@@ -60,6 +63,8 @@ class Setup:
         pose_noise: covariance, shape (3, 3), added to that of the fit: what lens model, codec and
             printed tags do without the pixels telling [m^2, rad^2].
         rules: of safety.
+        clearance: how far bodies are kept apart; None: they are not.
+        arena: what no body may leave.
         period: between two ticks [s].
         radio_delay: from sending a command to its effect [s].
         command_validity: a command older than this is never sent [s].
@@ -80,6 +85,8 @@ class Setup:
     free_motion: MotionModel
     pose_noise: NDArray[np.float64]
     rules: SafetyRules
+    clearance: Clearance | None
+    arena: Arena
     period: float
     radio_delay: float
     command_validity: float
@@ -113,6 +120,7 @@ def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
             section that driving needs is missing.
     """
     load_filter()
+    rehearse_clearing()
     formation, leader = _course(scenario)
     try:
         return _setup(scenario, seeing or make_seeing(scenario), formation, leader)
@@ -175,6 +183,8 @@ def _setup(
         free_motion=_motion(scenario, UNCOMMANDED, doubt),
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
+        clearance=_clearance(scenario, seeing.tags.tags[0].side),
+        arena=Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena(),
         period=period,
         radio_delay=scenario.radio.delay_s,
         command_validity=max(2.0 * period, 0.1),
@@ -230,7 +240,7 @@ def _follower(scenario: Scenario) -> FollowerModel:
 def _leader_gains(config: LeaderConfig) -> LeaderGains:
     return LeaderGains(
         config.proportional, config.integral, config.reaching_mps2,
-        point_offset=config.point_offset_m,
+        point_offset=config.point_offset_m, law=leader_law_named(config.law),
     )  # fmt: skip
 
 
@@ -240,6 +250,14 @@ def _rules(scenario: Scenario) -> SafetyRules:
         s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
         s.drive_ambiguous,
     )  # fmt: skip
+
+
+def _clearance(scenario: Scenario, side: float) -> Clearance | None:
+    """What the filter keeps between bodies as large as their tags."""
+    s = scenario.safety
+    if s.clearance_m == 0.0:
+        return None
+    return Clearance(s.clearance_m + RESERVE, s.approach_rate_per_s, half_side=0.5 * side)
 
 
 def _path(config: LeaderConfig) -> PlannedPath:

@@ -17,6 +17,7 @@ from pipeline.setup import Setup
 
 STANDSTILL = Twist(0.0, 0.0)
 AT_REST: Vector2 = (0.0, 0.0)
+UNKNOWN = LeaderMotion(STANDSTILL, AT_REST)
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +86,7 @@ def steer(
         given[robot] = memory.acceleration if memory else AT_REST
         if memory is not None:
             followers[robot] = memory
-    return Laws(leader, followers), twists
+    return Laws(leader, followers, laws.kept), twists
 
 
 def commands_of(
@@ -118,15 +119,13 @@ def _lead(
     setup: Setup, laws: Laws, aim: Aim, track: Track, dt: float
 ) -> tuple[LeaderMemory | None, Twist]:
     """The leader's sample, from a memory that begins when there is none."""
-    share = aim.shares[setup.formation.root]
-    if share == 0.0:
+    if aim.shares[setup.formation.root] == 0.0:
         return None, STANDSTILL
     memory = laws.leader or begin_leader(track.ahead, aim.planned, setup.leader_gains)
-    memory, twist = leader_step(
+    return leader_step(
         memory, track.ahead, aim.planned, dt, setup.leader_gains, setup.follower.actuation,
         track.estimate.gain,
     )  # fmt: skip
-    return memory, _scaled(twist, share)
 
 
 def _follow(
@@ -140,8 +139,7 @@ def _follow(
 ) -> tuple[FollowerMemory | None, Twist]:
     """A follower's sample, from a memory that begins when there is none."""
     robot = pairs[0].follower
-    share = aim.shares[robot]
-    if share == 0.0:
+    if aim.shares[robot] == 0.0:
         return None, STANDSTILL
     own, gains = track.ahead.twist, setup.gains[robot]
     relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
@@ -151,9 +149,4 @@ def _follow(
     if memory is None:
         memory = begin(output, wanted, aim.rates.get(robot, AT_REST), gains)
     sample = FollowerSample(output, wanted, own, track.estimate.gain)
-    memory, twist = follower_step(memory, sample, dt, gains, setup.follower)
-    return memory, _scaled(twist, share)
-
-
-def _scaled(twist: Twist, share: float) -> Twist:
-    return twist if share == 1.0 else Twist(share * twist.v, share * twist.omega)
+    return follower_step(memory, sample, dt, gains, setup.follower)

@@ -2,7 +2,7 @@
 
 Read this file first. Each stage is a verb in a room of its own: `tracking` looks, corrects at the
 capture time and predicts; `guard` watches over safety; `mission` keeps the course; `steering` runs
-the laws. Live runs and replays turn the same crank.
+the laws; `restraint` keeps bodies apart. Live runs and replays turn the same crank.
 """
 
 from control.command import Command
@@ -11,6 +11,7 @@ from pipeline.guard import watch_over
 from pipeline.identity import ambiguous_of, doubts_told
 from pipeline.memory import Laws, Memory
 from pipeline.mission import advance, forget_glimpses, initial_rates, watch
+from pipeline.restraint import restrain
 from pipeline.setup import Setup
 from pipeline.steering import Aim, commands_of, relate, steer
 from pipeline.tracking import Locate, ahead_of, find_robots, look, remember, without_repeats
@@ -51,7 +52,10 @@ def step(
     laws, commands, notes = Laws(), NO_COMMANDS, NO_NOTES
     if mission.phase in ("running", "holding"):
         rates, notes = initial_rates(setup, mission)
-        laws, twists = steer(setup, memory.laws, Aim(planned, pairs, shares, rates), tracks, dt)
+        aim = Aim(planned, pairs, shares, rates)
+        laws, twists = steer(setup, memory.laws, aim, tracks, dt)
+        laws, twists, close = restrain(setup, laws, twists, aim, tracks, tick.t, dt)
+        events = (*events, *close)
         commands = commands_of(setup, twists, tick.t, t_effective)
         tracks, mission = remember(tracks, commands), forget_glimpses(mission)
     robots = tuple(RobotState(robot, track.ahead) for robot, track in tracks.items())

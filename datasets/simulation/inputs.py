@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from control.leader import LeaderGains
 from control.motion_model import MotionModel
+from control.safety import Arena, Clearance
 from control.sliding import FollowerModel, SlidingGains
 from control.value import value
 
@@ -35,6 +36,8 @@ class Host:
         leader: gains of the leader's law.
         motion: model of a robot that obeys the commands sent.
         free_motion: model of a robot nobody has commanded yet.
+        clearance: how far bodies are kept apart.
+        arena: what no body may leave.
     """
 
     period: float
@@ -43,6 +46,8 @@ class Host:
     leader: LeaderGains
     motion: MotionModel
     free_motion: MotionModel
+    clearance: Clearance
+    arena: Arena
 
 
 class Field(NamedTuple):
@@ -55,6 +60,7 @@ class Field(NamedTuple):
         leaders: (R, 2) whom a robot follows, lower numbers than its own; -1 for none.
         gains: (R,) which of `Host.gains` is a robot's.
         told: (R,) whether a robot is told what acceleration its leader is commanded.
+        freedoms: (R,) how easily a robot gives way to others; 0: bodies are not kept apart.
         planned: (M, 7) wanted x, y, theta, v, omega, v', omega' of the leader, by the tick of the
             mission, at the moment when that tick's commands take effect.
         wanted: (M, R, 6) h^d of every follower with two derivatives, likewise.
@@ -66,6 +72,7 @@ class Field(NamedTuple):
     leaders: Integers
     gains: Integers
     told: NDArray[np.bool_]
+    freedoms: Floats
     planned: Floats
     wanted: Floats
     pose_noise: Floats
@@ -106,11 +113,13 @@ class Trace(NamedTuple):
         states: (N, T, R, 5) true x, y, theta, v, omega.
         ahead: (N, T, R, 5) believed, for the moment when the tick's commands take effect.
         commands: (N, T, R, 2) v and omega that were sent.
+        kept: (N, T, R) who was kept off others.
     """
 
     states: Floats
     ahead: Floats
     commands: Floats
+    kept: NDArray[np.bool_]
 
 
 class Goals(NamedTuple):

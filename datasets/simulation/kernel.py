@@ -5,9 +5,10 @@ from numba import prange
 
 from control.compilable import compilable
 from datasets.simulation.filters import Filters, nothing_seen, roll_ahead, see
-from datasets.simulation.inputs import Chance, Field, Floats, Gains, Host, Trace
-from datasets.simulation.laws import Laws, laws_at_rest, steer
+from datasets.simulation.inputs import Chance, Field, Gains, Host, Trace
+from datasets.simulation.laws import laws_at_rest, steer
 from datasets.simulation.plants import Plants, drive_until, place
+from datasets.simulation.restraint import restrain
 from vision.compiled import compiled_side_by_side
 
 
@@ -44,23 +45,13 @@ def _run(
         roll_ahead(filters, host, tick * host.period + host.delay, sent, (first, tick))
         if first <= tick < chance.ticks[run, 1]:
             share, mission = chance.share[run, tick], chance.mission[run, tick]
-            _command(laws, filters, host, field, mission, rates, share, sent[tick])
-            rates = np.zeros_like(rates)  # a law that begins anew has measured none
+            if share > 0.0:
+                steer(laws, filters, host, field, mission, rates, sent[tick])
+                restrain(laws, filters, host, field, share, sent[tick], trace.kept[run, tick])
+            else:  # all stand, and their laws begin anew
+                sent[tick], laws.begun[:] = 0.0, False
+            rates = np.zeros_like(rates)  # it was measured before the start alone
         _note(trace, run, tick, tick * host.period, plants, filters)
-
-
-@compilable
-def _command(
-    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, rates: Floats,
-    share: float, commands: Floats,
-) -> None:  # fmt: skip
-    """Commands (R, 2) of all robots, as the laws want them and the safety rules allow."""
-    if share == 0.0:
-        commands[:] = 0.0
-        laws.begun[:] = False
-        return
-    steer(laws, filters, host, field, mission, rates, commands)
-    commands *= share
 
 
 @compilable

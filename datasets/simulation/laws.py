@@ -79,7 +79,7 @@ def steer(
     laws.leader[0], twist = _lead(laws, filters, host, field.planned[mission])
     commands[0, 0], commands[0, 1] = twist.v, twist.omega
     for robot in range(1, len(commands)):
-        own, output = filters.ahead[robot], _output(laws, filters, host, field, robot)
+        own, output = filters.ahead[robot], output_of(laws, filters, host, field, robot)
         w = field.wanted[mission, robot]
         wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
         gains = laws.gains[robot]
@@ -107,10 +107,21 @@ def _lead(
 
 
 @compilable
-def _output(
+def output_of(
     laws: Laws, filters: Filters, host: Host, field: Field, robot: int
 ) -> FollowerOutput:
-    """A follower's output, from what is believed and known of its one leader, or of both."""
+    """A follower's output, from what is believed and known of its one leader, or of both.
+
+    Args:
+        laws: what leaders were commanded.
+        filters: states at the moment the commands take effect.
+        host: camera offset.
+        field: who follows whom, and what it is told.
+        robot: number of the follower.
+
+    Returns:
+        The output.
+    """
     own, d = filters.ahead[robot].twist, host.follower.camera_offset
     relative, motion = _leader_of(laws, filters, host, field, robot, 0)
     if field.leaders[robot, 1] < 0:

@@ -18,6 +18,7 @@ from pipeline.cli import (
     replay,
     report,
     simulate,
+    study,
     tags,
 )
 from pipeline.errors import CameraError, RadioError
@@ -54,7 +55,7 @@ def general(
     del version, debug  # one has its callback, the other is taken before arguments are parsed
 
 
-for command in (live, replay, simulate, render, locate, report, check, tags):
+for command in (live, replay, simulate, render, locate, report, check, study, tags):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 app.add_typer(calibrate.calibrate)
 later.register(app)

@@ -1,6 +1,6 @@
 """What `echelon simulate` does: one run, or the points of a sweep."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from math import pi
@@ -9,19 +9,19 @@ from time import perf_counter
 
 import typer
 
-from pipeline.bar import Bar
 from pipeline.cli.output import Output
-from pipeline.cli.running import SAFETY_STOP, paced
+from pipeline.cli.running import INTERRUPTED, SAFETY_STOP, paced
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
+from pipeline.interruption import interruption
 from pipeline.notice import told_after
+from pipeline.progress import ShareLine
 from pipeline.radios.simulated import MESSAGE_SIZE
 from pipeline.scenario import load_scenario
-from pipeline.seeing import Seeing
 from pipeline.simulation.experiment import Experiment, make_experiment
 from pipeline.simulation.moments import moments_of
 from pipeline.simulation.result import Point, Spread, point_of, run_result
-from pipeline.simulation.runs import batches, load_kernel
+from pipeline.simulation.runs import Scored, batches, load_kernel
 from pipeline.simulation.sweep import combinations, parse_axes
 from pipeline.trajectory import TrajectoryFile
 
@@ -76,8 +76,14 @@ def run_simulate(request: Request, output: Output) -> None:
     if request.trajectory is not None:
         raise ConfigError("--trajectory is of one run: leave out --runs and --sweep")
     points, start = list(combinations(axes)), perf_counter()
-    with closing(Bar(len(points) * request.runs, "runs")) as bar:
-        results = list(_points(request, points, bar, output))
+    with closing(ShareLine("runs")) as line, interruption() as interrupted:
+
+        def _progress(done: int) -> None:
+            line.show(done / (len(points) * request.runs))
+            if interrupted():
+                raise typer.Exit(INTERRUPTED)
+
+        results = list(_points(request, points, _progress, output))
     _tell(request, results, perf_counter() - start, output)
 
 
@@ -97,18 +103,19 @@ def _run_once(request: Request, output: Output) -> None:
 
 
 def _points(
-    request: Request, points: Sequence[dict[str, str]], bar: Bar, output: Output
+    request: Request, points: Sequence[dict[str, str]], progress: Callable[[int], None], output: Output
 ) -> Iterator[Point]:
     """Run point after point; what sees is made once, as no key that is swept touches it."""
-    seeing: Seeing | None = None
+    seeing, done = None, 0
     for swept in points:
         scenario = _scenario(request, swept, output)
         experiment = _loaded(make_experiment(scenario, request.duration, seeing))
-        seeing, done = experiment.setup.seeing, []
+        seeing, scored = experiment.setup.seeing, list[Scored]()
         for batch in batches(experiment, request.seeds):
-            done.append(batch)
-            bar.advance(len(batch.drawn.timetables))
-        yield point_of(experiment, swept, done)
+            scored.append(batch.scored)
+            done += len(batch.scored.timetables)
+            progress(done)
+        yield point_of(experiment, swept, scored)
 
 
 def _scenario(request: Request, swept: dict[str, str], output: Output) -> Scenario:
@@ -139,7 +146,8 @@ def _tell(request: Request, points: Sequence[Point], wall: float, output: Output
     keys = [key for key in points[0].swept]
     header = (
         *keys, "runs", "distance rms mm", "bearing rms deg", "settled at s", "leader rms mm",
-        "clearance mm", "stopped",
+        "clearance mm", "kept apart",
+        "stopped",
     )  # fmt: skip
     output.table(title, header, [_row(point) for point in points])
 
@@ -154,6 +162,7 @@ def _row(point: Point) -> tuple[str, ...]:
         _pair(worst["settled_at_s"]),
         _pair(point.leader, 1e3),
         _pair(point.clearance, 1e3),
+        str(point.kept_apart),
         str(point.stopped),
     )
 

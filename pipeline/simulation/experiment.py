@@ -8,11 +8,13 @@ import numpy as np
 
 from control.formation import Pair, by_follower
 from control.output import wanted_output
+from control.safety import Clearance
 from control.sliding import SlidingGains
 from datasets.simulation.inputs import MOST_GAINS, Field, Floats, Gains, Goals, Host, Integers
 from datasets.world import RobotPlant
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
+from pipeline.restraint import FOLLOWER_FREEDOM, LEADER_FREEDOM
 from pipeline.rigs import make_world
 from pipeline.seeing import Seeing
 from pipeline.setup import Setup, make_setup
@@ -75,7 +77,7 @@ def make_experiment(
     kinds = tuple(dict.fromkeys(setup.gains[robot] for robot in setup.formation.robots))
     host = Host(
         setup.period, setup.radio_delay, setup.follower, setup.leader_gains, setup.motion,
-        setup.free_motion,
+        setup.free_motion, setup.clearance or Clearance(), setup.arena,
     )  # fmt: skip
     field = _field(scenario, setup, plants, kinds)
     ticks = ceil(last / setup.period - 1e-9)
@@ -105,10 +107,16 @@ def _field(
         leaders=_leaders(setup),
         gains=np.array([kinds.index(setup.gains[robot]) for robot in robots]),
         told=np.full(len(robots), setup.leader_commands_known),
+        freedoms=_freedoms(setup),
         planned=_planned(setup),
         wanted=_wanted(setup),
         pose_noise=np.stack((measured, measured + setup.pose_noise)),
     )
+
+
+def _freedoms(setup: Setup) -> Floats:
+    followers = (FOLLOWER_FREEDOM,) * (len(setup.formation.robots) - 1)
+    return np.array((LEADER_FREEDOM, *followers)) * (setup.clearance is not None)
 
 
 def _goals(setup: Setup) -> Goals:

@@ -25,7 +25,7 @@ def moments_of(experiment: Experiment, batch: Batch) -> Iterator[Moment]:
         One moment a tick, without frame and scene.
     """
     setup, (table,) = experiment.setup, batch.drawn.timetables
-    states, ahead, commands = (part[0] for part in batch.trace)
+    states, ahead, commands, _ = (part[0] for part in batch.trace)
     first_seen = table.frames[0].tick if table.frames else len(table.rows)
     for number, row in enumerate(table.rows):
         t = number * setup.period

@@ -2,19 +2,21 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import isfinite
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
 
 from control.formation import by_follower
+from datasets.cycle import SafetyEvent
 from datasets.scores import FollowerScore, LeaderScore
 from datasets.sightings import Sighted
 from datasets.simulation.inputs import Floats
 from datasets.truth import RunResult
 from pipeline.mission import initial_rates
+from pipeline.restraint import CALM
 from pipeline.simulation.experiment import Experiment
-from pipeline.simulation.runs import Batch
+from pipeline.simulation.runs import Batch, Scored
 
 FIGURES = (
     "distance_rms_m", "distance_max_m", "bearing_rms_rad", "bearing_max_rad", "settled_at_s",
@@ -51,6 +53,7 @@ class Point:
         worst_follower: spreads of each figure of the worst follower of a run.
         leader: of the rms of its distance to the plan [m].
         clearance: of the least distance between two bodies [m].
+        kept_apart: runs in which robots were kept off each other.
         stopped: runs that the safety rules ended.
         steps: ticks of all runs.
     """
@@ -61,6 +64,7 @@ class Point:
     worst_follower: dict[str, Spread]
     leader: Spread
     clearance: Spread
+    kept_apart: int
     stopped: int
     steps: int
 
@@ -77,31 +81,33 @@ class Point:
             "worst_follower": _plain(self.worst_follower),
             "leader": {"position_rms_m": asdict(self.leader)},
             "min_clearance_m": asdict(self.clearance),
+            "kept_apart_runs": self.kept_apart,
             "safety_stops": self.stopped,
         }
 
 
-def point_of(experiment: Experiment, swept: dict[str, str], batches: Sequence[Batch]) -> Point:
+def point_of(experiment: Experiment, swept: dict[str, str], scored: Sequence[Scored]) -> Point:
     """Condense the runs of a point.
 
     Args:
         experiment: of the runs.
         swept: value by key.
-        batches: all its runs.
+        scored: all its runs.
 
     Returns:
         The point.
     """
-    figures = np.concatenate([batch.figures.followers for batch in batches])[:, 1:]
-    tables = [table for batch in batches for table in batch.drawn.timetables]
+    figures = np.concatenate([some.figures.followers for some in scored])[:, 1:]
+    tables = [table for some in scored for table in some.timetables]
     robots = experiment.setup.formation.robots[1:]
     return Point(
         swept=swept,
         runs=len(tables),
         followers={str(robot): _spreads(figures[:, k]) for k, robot in enumerate(robots)},
         worst_follower=_spreads(_worst(figures)),
-        leader=_spread(np.concatenate([batch.figures.leader for batch in batches])),
-        clearance=_spread(np.concatenate([batch.figures.clearance for batch in batches]), True),
+        leader=_spread(np.concatenate([some.figures.leader for some in scored])),
+        clearance=_spread(np.concatenate([some.figures.clearance for some in scored]), True),
+        kept_apart=sum(int(some.kept.sum()) for some in scored),
         stopped=sum(table.mission.phase == "stopped" for table in tables),
         steps=sum(len(table.rows) for table in tables),
     )
@@ -139,9 +145,21 @@ def run_result(experiment: Experiment, batch: Batch, wall: float) -> RunResult:
         vision=None,
         latency_ms=None,
         commands_sent=(end - first) * len(setup.formation.robots),
-        safety_events=table.events,
+        safety_events=_events(experiment, batch),
         notes=initial_rates(setup, table.mission)[1] if started else (),
     )
+
+
+def _events(experiment: Experiment, batch: Batch) -> tuple[SafetyEvent, ...]:
+    """What rules and filter did, in order of time."""
+    events, period = list(batch.drawn.timetables[0].events), experiment.setup.period
+    for robot, ticks in zip(experiment.setup.formation.robots, batch.trace.kept[0].T, strict=True):
+        last = -inf
+        for t in (np.flatnonzero(ticks) * period).tolist():
+            if t - last >= CALM:
+                events.append(SafetyEvent(t, "kept-apart", robot, "slowed or turned to keep clear"))
+            last = t
+    return tuple(sorted(events, key=lambda event: event.t))
 
 
 def _score(follower: int | str, leaders: Sequence[int | str], row: Sequence[float]) -> FollowerScore:

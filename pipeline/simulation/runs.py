@@ -4,15 +4,35 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from datasets.simulation.inputs import Chance, Figures, Trace
 from datasets.simulation.kernel import run_batch
 from datasets.simulation.scoring import score_batch
 from pipeline.simulation.draw import Drawer, Drawn
 from pipeline.simulation.experiment import Experiment
+from pipeline.simulation.timetable import Timetable
 
 AT_A_TIME = 64
-"""Runs of one call of machine code."""
+"""Runs of one call of machine code at most."""
+
+MEMORY = 64e6
+"""What they may take [B]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scored:
+    """What is kept of many runs.
+
+    Attributes:
+        timetables: one a run.
+        figures: how well they went.
+        kept: (N,) whether robots were kept off each other.
+    """
+
+    timetables: tuple[Timetable, ...]
+    figures: Figures
+    kept: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +49,11 @@ class Batch:
     trace: Trace
     figures: Figures
 
+    @property
+    def scored(self) -> Scored:
+        """The same without what was tick by tick."""
+        return Scored(self.drawn.timetables, self.figures, self.trace.kept.any(axis=(1, 2)))
+
 
 def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
     """Run and score.
@@ -38,11 +63,12 @@ def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
         seeds: one a run, >= 0.
 
     Yields:
-        The runs in their order, at most `AT_A_TIME` together.
+        The runs in their order, some together.
     """
-    drawer = Drawer(experiment)
-    for first in range(0, len(seeds), AT_A_TIME):
-        yield run_some(experiment, drawer.draw(seeds[first : first + AT_A_TIME]))
+    drawer, row = Drawer(experiment), 100.0 * len(experiment.plants)
+    together = max(1, min(AT_A_TIME, int(MEMORY / (row * experiment.ticks))))
+    for first in range(0, len(seeds), together):
+        yield run_some(experiment, drawer.draw(seeds[first : first + together]))
 
 
 def load_kernel(experiment: Experiment) -> None:
@@ -89,4 +115,4 @@ def score(experiment: Experiment, chance: Chance, trace: Trace) -> Figures:
 def _empty_trace(chance: Chance) -> Trace:
     shape = *chance.frame.shape, chance.noise.shape[2]
     states, ahead = np.empty((*shape, 5)), np.empty((*shape, 5))
-    return Trace(states, ahead, np.zeros((*shape, 2)))
+    return Trace(states, ahead, np.zeros((*shape, 2)), np.zeros(shape, np.bool_))

@@ -15,7 +15,7 @@ SIMULATED = (
     "robots.*.turn_disturbance_radps2", "formation", "leader", "control", "estimation", "startup",
     "radio.delay_s", "radio.loss", "radio.bandwidth_bytes_per_s", "safety.slow_after_s",
     "safety.stop_after_s", "safety.camera_silent_s", "safety.good_frames_s", "safety.give_up_s",
-    "simulation",
+    "safety.clearance_m", "safety.approach_rate_per_s", "safety.arena_m", "simulation",
 )  # fmt: skip
 """What a simulation reads of a scenario: keys, and sections whole."""
 
@@ -72,7 +72,7 @@ def _axis(text: str) -> Axis:
     if not (equals and key and all(split)):
         raise ConfigError(f'--sweep {text}: need "section.key=A,B,C"')
     if not any(_reads(pattern, key) for pattern in SIMULATED):
-        close = difflib.get_close_matches(key, SIMULATED, n=1, cutoff=0.5)
+        close = difflib.get_close_matches(key, SIMULATED, n=1, cutoff=0.7)
         hint = f'; did you mean "{close[0]}"?' if close else ""
         raise ConfigError(f'--sweep {text}: a simulation reads no key "{key}"{hint}')
     return Axis(key, tuple(split))

@@ -1,0 +1,136 @@
+"""What becomes of the laws' twists: slowed by the safety rules, kept off other bodies.
+
+The laws learn which accelerations their robots really get, so that nothing winds up.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import hypot
+
+import numpy as np
+
+from control.command import RobotId
+from control.formation import by_follower
+from control.output import follower_output
+from control.relative import Vector2
+from control.sliding import overruled
+from control.unicycle import Twist
+from datasets.cycle import SafetyEvent
+from pipeline.clearing import keep_apart
+from pipeline.memory import Laws, Track
+from pipeline.setup import Setup
+from pipeline.steering import UNKNOWN, Aim
+
+FOLLOWER_FREEDOM, LEADER_FREEDOM = 1.0, 0.25  # the leader gives way less: all follow it
+CALM = 0.5  # after which a robot that was kept off others counts as left alone [s]
+
+Twists = Mapping[RobotId, Twist]
+Tracks = Mapping[RobotId, Track]
+
+
+def restrain(
+    setup: Setup, laws: Laws, wanted: Twists, aim: Aim, tracks: Tracks, t: float, dt: float
+) -> tuple[Laws, Twists, tuple[SafetyEvent, ...]]:
+    """Twists that may be sent: within each robot's share of speed, and clear of other bodies.
+
+    Args:
+        setup: clearance, arena and models.
+        laws: memories after this sample.
+        wanted: what the laws want [m/s, rad/s].
+        aim: with the shares and the pairs.
+        tracks: rolled to the moment the commands take effect; robots nobody drives are obstacles.
+        t: now [s].
+        dt: for which the commands hold [s].
+
+    Returns:
+        Memories that know what was given, the twists, and who is newly kept off others; laws and
+        twists are as they were if nothing is close and all may drive.
+    """
+    allowed = {robot: _scaled(twist, aim.shares[robot]) for robot, twist in wanted.items()}
+    given = _apart(setup, allowed, aim.shares, tracks, dt)
+    for robot in wanted:
+        if given[robot] != wanted[robot]:
+            laws = _told(setup, laws, aim, robot, given[robot], tracks[robot], dt)
+    moved = [robot for robot in given if given[robot] != allowed[robot]]
+    kept = {robot: last for robot, last in laws.kept.items() if t - last < CALM}
+    events = tuple(_event(setup, robot, tracks, t) for robot in moved if robot not in kept)
+    return replace(laws, kept=kept | dict.fromkeys(moved, t)), given, events
+
+
+def _scaled(twist: Twist, share: float) -> Twist:
+    return twist if share == 1.0 else Twist(share * twist.v, share * twist.omega)
+
+
+def _apart(
+    setup: Setup, twists: Twists, shares: Mapping[RobotId, float], tracks: Tracks, dt: float
+) -> Twists:
+    """The filter's twists; the very same where nothing is close."""
+    if setup.clearance is None:
+        return twists
+    ways = np.array([_way(setup, track, twists.get(robot), dt) for robot, track in tracks.items()])
+    poses = np.array([(s.x, s.y, s.theta) for s in (track.ahead for track in tracks.values())])
+    freedoms = np.array([_freedom(setup, robot, shares) for robot in tracks])
+    wanted, low, high = ways[:, 0], ways[:, 1], ways[:, 2]
+    reached = keep_apart(poses, wanted, low, high, freedoms, setup.clearance, setup.arena)
+    changed = (reached != wanted).any(axis=1).tolist()
+    return dict(twists) | {
+        robot: _command(setup, tracks[robot], to, dt)
+        for robot, to, other in zip(tracks, reached.tolist(), changed, strict=True)
+        if other and robot in twists
+    }
+
+
+def _way(setup: Setup, track: Track, command: Twist | None, dt: float) -> tuple[Vector2, ...]:
+    """Wanted, least and greatest velocities at the end of the period."""
+    own, gain, motors = track.ahead.twist, track.estimate.gain, setup.follower.actuation
+    if command is None:
+        return ((own.v, own.omega),) * 3
+    a, b = motors.acceleration(own, command, dt, gain)
+    low, high = motors.reachable(own, dt, gain)
+    return (own.v + dt * a, own.omega + dt * b), (low.v, low.omega), (high.v, high.omega)
+
+
+def _command(setup: Setup, track: Track, to: Sequence[float], dt: float) -> Twist:
+    """The command that leads to some velocities at the end of the period."""
+    own = track.ahead.twist
+    u = (to[0] - own.v) / dt, (to[1] - own.omega) / dt
+    return setup.follower.actuation.command(own, u, dt, track.estimate.gain)[0]
+
+
+def _freedom(setup: Setup, robot: RobotId, shares: Mapping[RobotId, float]) -> float:
+    """How easily a robot gives way; 0 for one that stands or that nobody drives."""
+    if not shares.get(robot):
+        return 0.0
+    return LEADER_FREEDOM if robot == setup.formation.root else FOLLOWER_FREEDOM
+
+
+def _told(
+    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, given: Twist, track: Track, dt: float
+) -> Laws:
+    """The laws after a robot's twist was replaced."""
+    gain = track.estimate.gain
+    u = setup.follower.actuation.acceleration(track.ahead.twist, given, dt, gain)
+    if robot == setup.formation.root:
+        return replace(laws, leader=laws.leader and replace(laws.leader, acceleration=u))
+    memory = laws.followers.get(robot)
+    if memory is None:
+        return laws
+    pairs = by_follower(aim.pairs)[robot]
+    relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
+    output = follower_output(relatives, track.ahead.twist, [UNKNOWN] * len(pairs), d)
+    followers = {**laws.followers, robot: overruled(memory, output.input_matrix, u)}
+    return replace(laws, followers=followers)
+
+
+def _event(setup: Setup, robot: RobotId, tracks: Tracks, t: float) -> SafetyEvent:
+    """Who is kept off whom."""
+    own = tracks[robot].ahead
+    ways = {
+        other: hypot(track.ahead.x - own.x, track.ahead.y - own.y)
+        for other, track in tracks.items()
+        if other != robot
+    }
+    nearest = min(ways, key=lambda other: ways[other], default=None)
+    least = 1e3 * setup.clearance.distance if setup.clearance else 0.0
+    detail = f"slowed or turned to keep {least:.0f} mm free; nearest is robot {nearest}"
+    return SafetyEvent(t, "kept-apart", robot, detail)
