@@ -6,11 +6,10 @@ import numpy as np
 
 from control.actuation import DriveGain
 from control.compilable import compilable
-from control.geometry import wrap_angle
 from control.kalman import correct_by_pose, propagate
-from control.motion_model import UNCOMMANDED, driven, process_noise, transition
+from control.motion_model import MotionModel, driven, process_noise, transition
 from control.unicycle import Twist, UnicycleState
-from datasets.simulation.inputs import Field, Floats, Host
+from datasets.simulation.inputs import Floats, Host
 
 
 class Filters(NamedTuple):
@@ -18,13 +17,15 @@ class Filters(NamedTuple):
 
     Attributes:
         times: (2,) of the estimates (NaN before the first frame), and of `ahead` [s].
-        mean: (R, 7) as in `control/estimation.py`.
-        covariance: (R, 7, 7).
+        states: estimates of poses and velocities.
+        gains: estimates of the drive gains.
+        covariance: (R, 7, 7) of both.
         ahead: every robot's state, rolled forward.
     """
 
     times: Floats
-    mean: Floats
+    states: list[UnicycleState]
+    gains: list[DriveGain]
     covariance: Floats
     ahead: list[UnicycleState]
 
@@ -39,13 +40,14 @@ def nothing_seen(count: int) -> Filters:
     Returns:
         Filters that know nothing.
     """
-    ahead = [UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(count)]
-    return Filters(np.full(2, np.nan), np.empty((count, 7)), np.empty((count, 7, 7)), ahead)
+    states = [UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(count)]
+    gains = [DriveGain(1.0, 1.0) for _ in range(count)]
+    return Filters(np.full(2, np.nan), states, gains, np.zeros((count, 7, 7)), states.copy())
 
 
 @compilable
 def see(
-    filters: Filters, host: Host, field: Field, measured: Floats, t: float, sent: Floats,
+    filters: Filters, host: Host, noise: Floats, measured: Floats, t: float, sent: Floats,
     ticks: tuple[int, int],
 ) -> None:  # fmt: skip
     """Correct all filters by a frame.
@@ -53,19 +55,26 @@ def see(
     Args:
         filters: of all robots.
         host: motion models.
-        field: what the host thinks of measured poses.
+        noise: (2, 3, 3) covariance of a first measured pose, and of all others.
         measured: (R, 3) poses [m, m, rad].
         t: the frame's stamp [s].
         sent: (T, R, 2) commands.
         ticks: first tick with commands, and the present one.
     """
+    first, t0 = np.isnan(filters.times[0]), filters.times[0]
+    model = host.motion if ticks[0] < ticks[1] else host.free_motion
     for robot in range(len(measured)):
-        if np.isnan(filters.times[0]):
-            _begin(filters, host, field, measured[robot], robot)
+        if first:
+            _begin(filters.covariance[robot], host.free_motion, noise[0])
+            x, y, theta = measured[robot]
+            filters.states[robot] = UnicycleState(x, y, theta, 0.0, 0.0)
         else:
-            _correct(filters, host, field, measured[robot], robot, t, sent, ticks)
-        m = filters.mean[robot]
-        filters.ahead[robot] = UnicycleState(m[0], m[1], m[2], m[3], m[4])
+            old, gain = filters.states[robot], filters.gains[robot]
+            new = roll_through(old, t0, t, sent, robot, ticks, host, gain)
+            filters.states[robot], filters.gains[robot] = _corrected(
+                filters.covariance[robot], old, new, gain, t - t0, model, measured[robot], noise[1]
+            )
+        filters.ahead[robot] = filters.states[robot]
     filters.times[0] = filters.times[1] = t
 
 
@@ -82,31 +91,18 @@ def roll_ahead(
         sent: (T, R, 2) commands.
         ticks: first tick with commands, and the present one.
     """
-    for robot in range(len(filters.ahead)):
-        gain = gain_of(filters, robot)
-        state, t0 = filters.ahead[robot], filters.times[1]
-        filters.ahead[robot] = roll_through(state, t0, t, sent[:, robot], ticks, host, gain)
+    t0, ahead = filters.times[1], filters.ahead
+    for robot in range(len(ahead)):
+        ahead[robot] = roll_through(
+            ahead[robot], t0, t, sent, robot, ticks, host, filters.gains[robot]
+        )
     filters.times[1] = t
 
 
 @compilable
-def gain_of(filters: Filters, robot: int) -> DriveGain:
-    """What is believed of a robot's drive gains.
-
-    Args:
-        filters: of all robots.
-        robot: its number.
-
-    Returns:
-        The gains [1].
-    """
-    return DriveGain(filters.mean[robot, 5], filters.mean[robot, 6])
-
-
-@compilable
 def roll_through(
-    state: UnicycleState, t0: float, t1: float, sent: Floats, ticks: tuple[int, int], host: Host,
-    gain: DriveGain,
+    state: UnicycleState, t0: float, t1: float, sent: Floats, robot: int, ticks: tuple[int, int],
+    host: Host, gain: DriveGain,
 ) -> UnicycleState:  # fmt: skip
     """`motion_model.roll` through a table of commands instead of `SentCommands`.
 
@@ -114,8 +110,9 @@ def roll_through(
         state: pose and velocities at t0.
         t0: start [s].
         t1: end; the state is returned as it is unless t1 > t0 [s].
-        sent: (T, 2) commands of this robot, by the tick that sent them.
-        ticks: first tick with commands, and the one after the last that has sent one.
+        sent: (T, R, 2) commands, by the tick that sent them.
+        robot: whose.
+        ticks: first tick with commands, and the one after the last that has sent some.
         host: period, delay, motion models.
         gain: velocities it reaches per velocity commanded.
 
@@ -132,37 +129,29 @@ def roll_through(
     while t0 < t1:
         until = (number + 1) * host.period + host.delay if number + 1 < end else t1
         until = min(until, t1)
-        command = Twist(sent[number, 0], sent[number, 1]) if number >= first else standstill
+        given = number >= first
+        command = Twist(sent[number, robot, 0], sent[number, robot, 1]) if given else standstill
         state = driven(state, command, until - t0, host.motion.lag, gain)
         t0, number = until, number + 1
     return state
 
 
 @compilable
-def _begin(filters: Filters, host: Host, field: Field, pose: Floats, robot: int) -> None:
-    """As `estimation.initial_estimate`: velocities 0 and gains 1, with the model's doubt."""
-    model, mean = host.free_motion, filters.mean[robot]
-    mean[:3], mean[3:5], mean[5:] = pose, 0.0, 1.0
-    filters.covariance[robot] = 0.0
-    filters.covariance[robot, :3, :3] = field.pose_noise[0]
-    stds = model.initial_v_std, model.initial_omega_std, model.gain_std, model.gain_std
-    for index in range(4):
-        filters.covariance[robot, 3 + index, 3 + index] = stds[index] ** 2
+def _begin(covariance: Floats, model: MotionModel, noise: Floats) -> None:
+    """As `estimation.initial_estimate`: the model's doubt of velocities and gains."""
+    covariance[:3, :3] = noise
+    covariance[3, 3], covariance[4, 4] = model.initial_v_std**2, model.initial_omega_std**2
+    covariance[5, 5] = covariance[6, 6] = model.gain_std**2
 
 
 @compilable
-def _correct(
-    filters: Filters, host: Host, field: Field, pose: Floats, robot: int, t: float, sent: Floats,
-    ticks: tuple[int, int],
-) -> None:  # fmt: skip
-    """As `estimation.predict` and `estimation.correct`."""
-    model = host.motion if ticks[0] < ticks[1] else host.free_motion
-    m, t0, gain = filters.mean[robot], filters.times[0], gain_of(filters, robot)
-    old = UnicycleState(m[0], m[1], m[2], m[3], m[4])
-    new = roll_through(old, t0, t, sent[:, robot], ticks, host, gain)
-    f = transition(old, new, t - t0, model.lag, gain)
-    noise = process_noise(old, new, t - t0, model)
-    covariance = propagate(filters.covariance[robot], f, noise)
-    m[0], m[1], m[2], m[3], m[4] = new.x, new.y, new.theta, new.v, new.omega
-    mean, covariance = correct_by_pose(m, covariance, pose, field.pose_noise[1])
-    filters.mean[robot], filters.covariance[robot] = mean, covariance
+def _corrected(
+    covariance: Floats, old: UnicycleState, new: UnicycleState, gain: DriveGain, dt: float,
+    model: MotionModel, pose: Floats, noise: Floats,
+) -> tuple[UnicycleState, DriveGain]:  # fmt: skip
+    """As `estimation.predict` and `estimation.correct`; the covariance (7, 7) is written over."""
+    f = transition(old, new, dt, model.lag, gain)
+    before = propagate(covariance, f, process_noise(old, new, dt, model))
+    mean = np.array((new.x, new.y, new.theta, new.v, new.omega, gain.v, gain.omega))
+    m, covariance[:] = correct_by_pose(mean, before, pose, noise)
+    return UnicycleState(m[0], m[1], m[2], m[3], m[4]), DriveGain(m[5], m[6])

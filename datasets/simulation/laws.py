@@ -16,13 +16,11 @@ from control.output import (
     two_leaders_output,
 )
 from control.plan import PlannedMotion
-from control.relative import RelativeState, Vector2, relative_state
+from control.relative import Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, SlidingGains, begin, follow
-from control.unicycle import Twist, UnicycleState
-from datasets.simulation.filters import Filters, gain_of
+from control.unicycle import UnicycleState
+from datasets.simulation.filters import Filters
 from datasets.simulation.inputs import Field, Floats, Gains, Host, Integers
-
-_AT_REST = (0.0, 0.0)
 
 
 class Laws(NamedTuple):
@@ -30,14 +28,16 @@ class Laws(NamedTuple):
 
     Attributes:
         gains: law and gains by robot.
-        leader: one, of the formation's leader.
-        followers: by robot.
-        begun: (R,) whether a robot's law runs.
+        leader: one memory, of the formation's leader.
+        followers: memories by robot.
+        given: accelerations that the last commands give, by robot [m/s^2, rad/s^2].
+        begun: (1,) whether the laws run.
     """
 
     gains: list[SlidingGains]
     leader: list[LeaderMemory]
     followers: list[FollowerMemory]
+    given: list[Vector2]
     begun: NDArray[np.bool_]
 
 
@@ -52,12 +52,11 @@ def laws_at_rest(gains: Gains, kinds: Integers) -> Laws:
     Returns:
         The laws.
     """
-    count = len(kinds)
-    leader = [LeaderMemory(_AT_REST, _AT_REST, _AT_REST, _AT_REST, True)]
+    rest, own = (0.0, 0.0), [gains[kind] for kind in kinds]
+    leader = [LeaderMemory(rest, rest, rest, rest, True)]
     channel = ChannelMemory(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    followers = [FollowerMemory(channel, channel, _AT_REST, True) for _ in range(count)]
-    own = [gains[kind] for kind in kinds]
-    return Laws(own, leader, followers, np.zeros(count, np.bool_))
+    followers = [FollowerMemory(channel, channel, rest, True) for _ in kinds]
+    return Laws(own, leader, followers, [rest for _ in kinds], np.zeros(1, np.bool_))
 
 
 @compilable
@@ -76,75 +75,54 @@ def steer(
         rates: (R, 2) h'(0), for laws that begin.
         commands: (R, 2) filled with v and omega.
     """
-    laws.leader[0], twist = _lead(laws, filters, host, field.planned[mission])
+    ahead, gains, begun, dt = filters.ahead, filters.gains, laws.begun[0], host.period
+    x, y, theta, v, omega, v_rate, omega_rate = field.planned[mission]
+    plan = PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
+    first = laws.leader[0] if begun else begin_leader(ahead[0], plan, host.leader)
+    actuation = host.follower.actuation
+    laws.leader[0], twist = lead(first, ahead[0], plan, dt, host.leader, actuation, gains[0])
+    laws.given[0] = laws.leader[0].acceleration
     commands[0, 0], commands[0, 1] = twist.v, twist.omega
     for robot in range(1, len(commands)):
-        own, output = filters.ahead[robot], output_of(laws, filters, host, field, robot)
-        w = field.wanted[mission, robot]
+        own, kind, w = ahead[robot].twist, laws.gains[robot], field.wanted[mission, robot]
+        one, two, told = field.leaders[robot, 0], field.leaders[robot, 1], field.told[robot]
+        output = output_of(ahead, laws.given, robot, one, two, told, host.follower.camera_offset)
         wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
-        gains = laws.gains[robot]
         memory = laws.followers[robot]
-        if not laws.begun[robot]:
-            memory = begin(output, wanted, (rates[robot, 0], rates[robot, 1]), gains)
-        sample = FollowerSample(output, wanted, own.twist, gain_of(filters, robot))
-        laws.followers[robot], twist = follow(memory, sample, host.period, gains, host.follower)
+        if not begun:
+            memory = begin(output, wanted, (rates[robot, 0], rates[robot, 1]), kind)
+        sample = FollowerSample(output, wanted, own, gains[robot])
+        memory, twist = follow(memory, sample, dt, kind, host.follower)
+        laws.followers[robot], laws.given[robot] = memory, memory.acceleration
         commands[robot, 0], commands[robot, 1] = twist.v, twist.omega
-    laws.begun[:] = True
-
-
-@compilable
-def _lead(
-    laws: Laws, filters: Filters, host: Host, plan: Floats
-) -> tuple[LeaderMemory, Twist]:
-    """The leader's sample."""
-    x, y, theta, v, omega, v_rate, omega_rate = plan
-    planned = PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
-    own, memory = filters.ahead[0], laws.leader[0]
-    if not laws.begun[0]:
-        memory = begin_leader(own, planned, host.leader)
-    actuation = host.follower.actuation
-    return lead(memory, own, planned, host.period, host.leader, actuation, gain_of(filters, 0))
+    laws.begun[0] = True
 
 
 @compilable
 def output_of(
-    laws: Laws, filters: Filters, host: Host, field: Field, robot: int
-) -> FollowerOutput:
-    """A follower's output, from what is believed and known of its one leader, or of both.
+    ahead: list[UnicycleState], given: list[Vector2], robot: int, one: int, two: int, told: bool,
+    d: float,
+) -> FollowerOutput:  # fmt: skip
+    """A follower's output, from what is believed and known of its leaders.
 
     Args:
-        laws: what leaders were commanded.
-        filters: states at the moment the commands take effect.
-        host: camera offset.
-        field: who follows whom, and what it is told.
+        ahead: states of all robots when the commands take effect.
+        given: accelerations that they are commanded [m/s^2, rad/s^2].
         robot: number of the follower.
+        one: number of its leader.
+        two: number of its second leader, -1 without one.
+        told: whether it knows what its leaders are commanded.
+        d: its camera offset [m].
 
     Returns:
         The output.
     """
-    own, d = filters.ahead[robot].twist, host.follower.camera_offset
-    relative, motion = _leader_of(laws, filters, host, field, robot, 0)
-    if field.leaders[robot, 1] < 0:
-        return pair_output(relative, own, motion, d)
-    other, other_motion = _leader_of(laws, filters, host, field, robot, 1)
-    return two_leaders_output((relative, other), own, (motion, other_motion), d)
-
-
-@compilable
-def _leader_of(
-    laws: Laws, filters: Filters, host: Host, field: Field, robot: int, which: int
-) -> tuple[RelativeState, LeaderMotion]:
-    """Relative state and motion of one of a robot's leaders."""
-    leader = field.leaders[robot, which]
-    own, state = filters.ahead[robot], filters.ahead[leader]
-    relative = relative_state(state.pose, own.pose, host.follower.camera_offset)
-    given = _AT_REST
-    if field.told[robot]:
-        given = _given(laws, leader)
-    return relative, LeaderMotion(state.twist, given)
-
-
-@compilable
-def _given(laws: Laws, robot: int) -> Vector2:
-    """The acceleration that a robot's last command gives."""
-    return laws.leader[0].acceleration if robot == 0 else laws.followers[robot].acceleration
+    own, state, rest = ahead[robot], ahead[one], (0.0, 0.0)
+    relative = relative_state(state.pose, own.pose, d)
+    motion = LeaderMotion(state.twist, given[one] if told else rest)
+    if two < 0:
+        return pair_output(relative, own.twist, motion, d)
+    state = ahead[two]
+    other = relative_state(state.pose, own.pose, d)
+    other_motion = LeaderMotion(state.twist, given[two] if told else rest)
+    return two_leaders_output((relative, other), own.twist, (motion, other_motion), d)

@@ -1,4 +1,4 @@
-"""The robots of one run: model (3), leg by leg, and what the camera measures of them on the way."""
+"""The robots of one run: model (3), leg by leg, and where they are in every picture."""
 
 from dataclasses import dataclass
 from math import inf
@@ -11,7 +11,29 @@ from control.compilable import compilable
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
 from datasets.plant import GRID, SLACK, Motion, motion_after, wave
-from datasets.simulation.inputs import Field, Floats, Integers
+from datasets.simulation.inputs import Floats, Integers
+
+
+@value
+@dataclass(frozen=True, slots=True)
+class Plant:
+    """A robot as it really is.
+
+    Attributes:
+        lag: time constant of the motors [s].
+        mass_error: eps of (5).
+        inertia_error: eps' of (5).
+        limits: greatest speeds.
+        push_v: bound of the forward disturbance [m/s^2].
+        push_omega: bound of the angular disturbance [rad/s^2].
+    """
+
+    lag: float
+    mass_error: float
+    inertia_error: float
+    limits: SpeedLimits
+    push_v: float
+    push_omega: float
 
 
 @value
@@ -46,107 +68,101 @@ class Leg:
 
 
 class Plants(NamedTuple):
-    """The robots of one run as they really are.
+    """The robots of one run.
 
     Attributes:
+        kinds: every robot as it really is.
         legs: the present leg of every robot.
+        drives: the command that every robot obeys, as it was sent.
         next: (R, 3) numbers of the next grid point, command and picture of every robot.
-        drive: (R, 2) the command that every robot obeys; NaN before the first.
         poses: (F, R, 3) where robots are in every picture.
-        tones: (R, 2, TONES, 2) of the disturbances.
-        lost: (T, R) commands that never arrive.
-        taken: (F,) when the pictures are taken [s].
     """
 
+    kinds: list[Plant]
     legs: list[Leg]
+    drives: list[Twist]
     next: Integers
-    drive: Floats
     poses: Floats
-    tones: Floats
-    lost: NDArray[np.bool_]
-    taken: Floats
 
 
 @compilable
-def place(
-    field: Field, tones: Floats, lost: NDArray[np.bool_], taken: Floats, first_command: int
-) -> Plants:
+def place(starts: Floats, plants: Floats, pictures: int, first_command: int) -> Plants:
     """Put the robots on the floor.
 
     Args:
-        field: starts and plants.
-        tones: (R, 2, TONES, 2) of the disturbances.
-        lost: (T, R) commands that never arrive.
-        taken: (F,) when the pictures are taken, ascending [s].
+        starts: (R, 5) as in `Field`.
+        plants: (R, 7) as in `Field`.
+        pictures: how many will be taken.
         first_command: first tick with commands.
 
     Returns:
         The robots at t = 0.
     """
-    count = len(field.starts)
-    legs = []
-    for robot in range(count):
-        x, y, theta, v, omega = field.starts[robot]
-        legs.append(Leg(0.0, (x, y, theta, v, omega), v, omega, field.plants[robot, 0]))
+    count, kinds, legs = len(starts), [], []
     following = np.empty((count, 3), np.int64)
     for robot in range(count):
+        lag, mass, inertia, v_most, omega_most, v_push, omega_push = plants[robot]
+        limits = SpeedLimits(v_most, omega_most)
+        kinds.append(Plant(lag, mass, inertia, limits, v_push, omega_push))
+        x, y, theta, v, omega = starts[robot]
+        legs.append(Leg(0.0, (x, y, theta, v, omega), v, omega, lag))
         following[robot, 0], following[robot, 1], following[robot, 2] = 1, first_command, 0
-    drive = np.full((count, 2), np.nan)
-    return Plants(legs, following, drive, np.empty((len(taken), count, 3)), tones, lost, taken)
+    drives = [Twist(np.nan, np.nan) for _ in range(count)]
+    return Plants(kinds, legs, drives, following, np.empty((pictures, count, 3)))
 
 
 @compilable
 def drive_until(
-    plants: Plants, field: Field, period: float, delay: float, sent: Floats, tick: int
-) -> None:
+    plants: Plants, tick: int, period: float, delay: float, sent: Floats,
+    lost: NDArray[np.bool_], taken: Floats, tones: Floats,
+) -> None:  # fmt: skip
     """Let all robots drive until a tick; pictures that fall due on the way are taken.
 
     Args:
         plants: the robots.
-        field: their constants.
+        tick: number of the tick.
         period: between two ticks [s].
         delay: from a tick to the arrival of its commands [s].
         sent: (T, R, 2) commands of all ticks before this one.
-        tick: number of the tick.
+        lost: (T, R) commands that never arrive.
+        taken: (F,) when the pictures are taken, ascending [s].
+        tones: (R, 2, TONES, 2) of the disturbances.
     """
-    t = tick * period
+    t, following = tick * period, plants.next
     for robot in range(len(plants.legs)):
-        leg, (grid, command, picture) = plants.legs[robot], plants.next[robot]
+        leg, kind, drive = plants.legs[robot], plants.kinds[robot], plants.drives[robot]
         while True:
-            while command < tick and plants.lost[command, robot]:
-                command += 1
-            due, arrival = grid * GRID, command * period + delay if command < tick else inf
+            while following[robot, 1] < tick and lost[following[robot, 1], robot]:
+                following[robot, 1] += 1
+            command, picture, due = following[robot, 1], following[robot, 2], following[robot, 0] * GRID
+            arrival = command * period + delay if command < tick else inf
             begin = due if abs(arrival - due) < SLACK else min(arrival, due)
-            until = min(begin, t)
-            while picture < len(plants.taken) and plants.taken[picture] <= until:
-                _take_picture(plants.poses[picture, robot], leg.at(plants.taken[picture]))
+            while picture < len(taken) and taken[picture] <= min(begin, t):
+                motion = leg.at(taken[picture])
+                for axis in range(3):
+                    plants.poses[picture, robot, axis] = motion[axis]
                 picture += 1
+            following[robot, 2] = picture
             if begin > t:
                 break
             if arrival < begin + SLACK:
-                plants.drive[robot] = sent[command, robot]
-                command += 1
-            grid += begin == due
-            leg = _next_leg(leg, begin, field.plants[robot], plants.drive[robot], plants.tones[robot])
-        plants.legs[robot] = leg
-        plants.next[robot] = grid, command, picture
+                drive = Twist(sent[command, robot, 0], sent[command, robot, 1])
+                following[robot, 1] += 1
+            following[robot, 0] += begin == due
+            push = 0.0, 0.0
+            if kind.push_v > 0.0 or kind.push_omega > 0.0:
+                push = wave(tones[robot, 0], begin), wave(tones[robot, 1], begin)
+            leg = _next_leg(leg, begin, kind, drive, push)
+        plants.legs[robot], plants.drives[robot] = leg, drive
 
 
 @compilable
-def _take_picture(pose: Floats, motion: Motion) -> None:
-    pose[0], pose[1], pose[2] = motion[0], motion[1], motion[2]
-
-
-@compilable
-def _next_leg(leg: Leg, t: float, plant: Floats, drive: Floats, tones: Floats) -> Leg:
+def _next_leg(leg: Leg, t: float, plant: Plant, drive: Twist, push: tuple[float, float]) -> Leg:
     """A step that begins now, under the present drive and disturbance."""
     motion = leg.at(t)
-    if np.isnan(drive[0]):  # not commanded yet: the motors keep what they do
+    if np.isnan(drive.v):  # not commanded yet: the motors keep what they do
         return Leg(t, motion, leg.goal_v, leg.goal_omega, leg.lag)
-    lag, mass, inertia, v_most, omega_most, v_push, omega_push = plant
-    wanted = SpeedLimits(v_most, omega_most).saturate(Twist(drive[0], drive[1]))
-    goal_v, goal_omega = (1.0 + mass) * wanted.v, (1.0 + inertia) * wanted.omega
-    if v_push > 0.0 or omega_push > 0.0:
-        goal_v += lag * v_push * wave(tones[0], t)
-        goal_omega += lag * omega_push * wave(tones[1], t)
+    wanted, lag = plant.limits.saturate(drive), plant.lag
+    goal_v = (1.0 + plant.mass_error) * wanted.v + lag * (plant.push_v * push[0])
+    goal_omega = (1.0 + plant.inertia_error) * wanted.omega + lag * (plant.push_omega * push[1])
     return Leg(t, motion, goal_v, goal_omega, lag)

@@ -11,7 +11,7 @@ from control.leader import LeaderMemory
 from control.safety import keep_apart
 from control.sliding import overruled
 from control.unicycle import Twist
-from datasets.simulation.filters import Filters, gain_of
+from datasets.simulation.filters import Filters
 from datasets.simulation.inputs import Field, Floats, Host
 from datasets.simulation.laws import Laws, output_of
 
@@ -49,7 +49,7 @@ def _keep_apart(
     count, dt, motors = len(commands), host.period, host.follower.actuation
     poses, ways = np.empty((count, 3)), np.empty((3, count, 2))  # wanted, least, greatest
     for robot in range(count):
-        state, gain = filters.ahead[robot], gain_of(filters, robot)
+        state, gain = filters.ahead[robot], filters.gains[robot]
         poses[robot, 0], poses[robot, 1], poses[robot, 2] = state.x, state.y, state.theta
         command = Twist(commands[robot, 0], commands[robot, 1])
         a, b = motors.acceleration(state.twist, command, dt, gain)
@@ -65,7 +65,7 @@ def _keep_apart(
         kept[robot] = to[0] != ways[0, robot, 0] or to[1] != ways[0, robot, 1]
         if kept[robot]:
             u = (to[0] - own.v) / dt, (to[1] - own.omega) / dt
-            command, _ = motors.command(own, u, dt, gain_of(filters, robot))
+            command, _ = motors.command(own, u, dt, filters.gains[robot])
             commands[robot, 0], commands[robot, 1] = command.v, command.omega
 
 
@@ -74,11 +74,13 @@ def _tell(
     laws: Laws, filters: Filters, host: Host, field: Field, robot: int, given: Twist
 ) -> None:
     """Let a law know what its robot gets, so that nothing winds up."""
-    own, gain = filters.ahead[robot].twist, gain_of(filters, robot)
-    u = host.follower.actuation.acceleration(own, given, host.period, gain)
+    own, d = filters.ahead[robot].twist, host.follower.camera_offset
+    u = host.follower.actuation.acceleration(own, given, host.period, filters.gains[robot])
     if robot == 0:
         m = laws.leader[0]
         laws.leader[0] = LeaderMemory(m.error, m.integral, m.sliding, u, m.fresh)
     else:
-        g = output_of(laws, filters, host, field, robot).input_matrix
+        one, two = field.leaders[robot, 0], field.leaders[robot, 1]
+        g = output_of(filters.ahead, laws.given, robot, one, two, False, d).input_matrix
         laws.followers[robot] = overruled(laws.followers[robot], g, u)
+    laws.given[robot] = u
