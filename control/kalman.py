@@ -3,6 +3,8 @@
 What `control/estimation.py` does with numpy and filterpy; the tests hold both against each other.
 """
 
+from math import sqrt
+
 import numpy as np
 
 from control.compilable import compilable
@@ -19,18 +21,20 @@ def propagate(covariance: Array, f: Array, noise: Array) -> Array:
 
     Args:
         covariance: (7, 7) P, symmetric.
-        f: (7, 7) Jacobian of the roll, `motion_model.transition`.
+        f: (7, 7) Jacobian of the roll, `motion_model.transition`, upper triangular.
         noise: (7, 7) Q, `motion_model.process_noise`.
 
     Returns:
         (7, 7), symmetric to the last bit.
     """
-    half = _times(f, covariance)
-    new = np.empty((7, 7))
+    half, new = np.zeros((7, 7)), np.empty((7, 7))
     for i in range(7):
+        for k in range(i, 7):
+            for j in range(7):
+                half[i, j] += f[i, k] * covariance[k, j]
         for j in range(i + 1):
             total = noise[i, j]
-            for k in range(7):
+            for k in range(j, 7):
                 total += half[i, k] * f[j, k]
             new[i, j] = new[j, i] = total
     return new
@@ -63,33 +67,21 @@ def correct_by_pose(
 
 
 @compilable
-def _times(a: Array, b: Array) -> Array:
-    product = np.zeros((7, 7))
-    for i in range(7):
-        for k in range(7):
-            if a[i, k] != 0.0:  # two thirds of a Jacobian are
-                for j in range(7):
-                    product[i, j] += a[i, k] * b[k, j]
-    return product
-
-
-@compilable
 def _kalman_gain(covariance: Array, noise: Array) -> Array:
     """K = P H' (H P H' + R)^-1, (7, 3), by Cholesky's triangle of the innovation's covariance."""
     p, r = covariance, noise
-    a = np.sqrt(p[0, 0] + r[0, 0])
-    b, d = (p[1, 0] + r[1, 0]) / a, (p[2, 0] + r[2, 0]) / a
-    c = np.sqrt(p[1, 1] + r[1, 1] - b * b)
-    e = (p[2, 1] + r[2, 1] - b * d) / c
-    f = np.sqrt(p[2, 2] + r[2, 2] - d * d - e * e)
+    a = 1.0 / sqrt(p[0, 0] + r[0, 0])  # of the triangle's diagonal a, c, f: one over it
+    b, d = (p[1, 0] + r[1, 0]) * a, (p[2, 0] + r[2, 0]) * a
+    c = 1.0 / sqrt(p[1, 1] + r[1, 1] - b * b)
+    e = (p[2, 1] + r[2, 1] - b * d) * c
+    f = 1.0 / sqrt(p[2, 2] + r[2, 2] - d * d - e * e)
     k = np.empty((7, 3))
     for i in range(7):
-        y0 = p[i, 0] / a
-        y1 = (p[i, 1] - b * y0) / c
-        y2 = (p[i, 2] - d * y0 - e * y1) / f
-        k[i, 2] = y2 / f
-        k[i, 1] = (y1 - e * k[i, 2]) / c
-        k[i, 0] = (y0 - b * k[i, 1] - d * k[i, 2]) / a
+        y0 = p[i, 0] * a
+        y1 = (p[i, 1] - b * y0) * c
+        k[i, 2] = (p[i, 2] - d * y0 - e * y1) * f * f
+        k[i, 1] = (y1 - e * k[i, 2]) * c
+        k[i, 0] = (y0 - b * k[i, 1] - d * k[i, 2]) * a
     return k
 
 

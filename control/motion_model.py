@@ -132,7 +132,7 @@ def transition(
         gain: drive gains during the roll.
 
     Returns:
-        (7, 7).
+        (7, 7), upper triangular.
     """
     commanded = lag != UNCOMMANDED
     decay = exp(-dt / lag)
@@ -165,29 +165,25 @@ def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: Moti
         (7, 7), symmetric.
     """
     way, cross, speed = _white_acceleration(dt, model.lag)
-    forward, turning = model.acceleration_std**2, model.angular_acceleration_std**2
-    unit = np.array(
-        (
-            (forward * way, forward * cross, 0.0, 0.0),
-            (forward * cross, forward * speed, 0.0, 0.0),
-            (0.0, 0.0, turning * way, turning * cross),
-            (0.0, 0.0, turning * cross, turning * speed),
-        )
-    )
-    moved = np.array(
-        (
-            _moved(old, new, way=1.0),
-            _moved(old, new, v=1.0),
-            _moved(old, new, turn=1.0),
-            _moved(old, new, omega=1.0),
-        )
-    )
-    noise = np.zeros((7, 7))
-    noise[:5, :5] = moved.T @ (_HOLD * unit) @ moved
+    forward = _HOLD * model.acceleration_std**2
+    turning = _HOLD * model.angular_acceleration_std**2
+    fw, fc, fs = forward * way, forward * cross, forward * speed
+    tw, tc, ts = turning * way, turning * cross, turning * speed
+    (a, b, _, _, _), (c, d, _, _, _) = _moved(old, new, way=1.0), _moved(old, new, turn=1.0)
+    xy = fw * a * b + tw * c * d
     way_driven, turned = _way_and_turn(old, new)
-    noise[5, 5] = model.gain_drift**2 * abs(way_driven)
-    noise[6, 6] = model.gain_drift**2 * abs(turned)
-    return noise
+    drift = model.gain_drift**2
+    return np.array(
+        (
+            (fw * a * a + tw * c * c, xy, tw * c, fc * a, tc * c, 0.0, 0.0),
+            (xy, fw * b * b + tw * d * d, tw * d, fc * b, tc * d, 0.0, 0.0),
+            (tw * c, tw * d, tw, 0.0, tc, 0.0, 0.0),
+            (fc * a, fc * b, 0.0, fs, 0.0, 0.0, 0.0),
+            (tc * c, tc * d, tc, 0.0, ts, 0.0, 0.0),
+            (0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(way_driven), 0.0),
+            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(turned)),
+        )
+    )
 
 
 @compilable

@@ -16,7 +16,7 @@ from datasets.simulation.inputs import Chance, Floats
 from pipeline.mission import initial_rates
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.timetable import (
-    HandedFrame,
+    HandedFrames,
     Timetable,
     handed_frames,
     make_timetable,
@@ -88,19 +88,19 @@ def _noise(experiment: Experiment, seed: int, frames: int) -> Floats:
 
 
 def _glimpse(
-    experiment: Experiment, frames: Sequence[HandedFrame], noise: Floats, number: int
+    experiment: Experiment, frames: HandedFrames, noise: Floats, number: int
 ) -> Scene | None:
     """What a frame shows of robots that nobody has commanded yet: they drive on as they started."""
     if not experiment.setup.watch_time:
         return None
-    taken = np.full(len(experiment.plants), frames[number].taken)
+    taken = np.full(len(experiment.plants), frames.taken[number])
     poses = moved(experiment.field.starts, taken) + noise[number]
     pixel, covariance = PixelPose(0.0, 0.0, 0.0), np.diag(experiment.pose_std**2)
     seen = tuple(
         Detection(plant.robot_id, Pose2D(*pose), pixel, covariance, 0.0, 1.0)
         for plant, pose in zip(experiment.plants, poses.tolist(), strict=True)
     )
-    return Scene(frames[number].stamp, seen, ())
+    return Scene(float(frames.stamps[number]), seen, ())
 
 
 def _chance(
@@ -109,11 +109,11 @@ def _chance(
     tables: Sequence[Timetable],
     noises: Sequence[Floats],
 ) -> Chance:
-    ticks = max((len(table.rows) for table in tables), default=0)
+    ticks = max((table.ticks for table in tables), default=0)
     frames = max((len(table.frames) for table in tables), default=0)
     shape = len(tables), ticks
     chance = Chance(
-        ticks=np.array([(*table.driving, len(table.rows)) for table in tables], int).reshape(-1, 3),
+        ticks=np.array([(*table.driving, table.ticks) for table in tables], int).reshape(-1, 3),
         mission=np.full(shape, -1),
         share=np.ones(shape),
         frame=np.full(shape, -1),
@@ -125,23 +125,17 @@ def _chance(
         rates=np.zeros((len(tables), len(experiment.plants), 2)),
     )
     for run, (seed, table, noise) in enumerate(zip(seeds, tables, noises, strict=True)):
-        _fill_in(chance, run, table)
-        chance.noise[run, : len(table.frames)] = noise[: len(table.frames)]
+        count = len(table.frames)
+        chance.mission[run, : table.ticks] = table.mission
+        chance.share[run, : table.ticks] = table.shares
+        chance.frame[run, table.frames.ticks] = np.arange(count)
+        chance.taken[run, :count] = table.frames.taken
+        chance.stamp[run, :count] = table.frames.stamps
+        chance.noise[run, :count] = noise[:count]
         _draw_links_and_pushes(chance, run, experiment, seed)
-        rates, _ = initial_rates(experiment.setup, table.mission)
-        for robot, plant in enumerate(experiment.plants):
-            chance.rates[run, robot] = rates.get(plant.robot_id, (0.0, 0.0))
+        for robot, rates in initial_rates(experiment.setup, table.end)[0].items():
+            chance.rates[run, experiment.setup.formation.robots.index(robot)] = rates
     return chance
-
-
-def _fill_in(chance: Chance, run: int, table: Timetable) -> None:
-    count, frames = len(table.rows), table.frames
-    chance.mission[run, :count] = [row.mission for row in table.rows]
-    chance.share[run, :count] = [row.share for row in table.rows]
-    ticks = [frame.tick for frame in frames]
-    chance.frame[run, ticks] = np.arange(len(frames))
-    chance.taken[run, : len(frames)] = [frame.taken for frame in frames]
-    chance.stamp[run, : len(frames)] = [frame.stamp for frame in frames]
 
 
 def _draw_links_and_pushes(chance: Chance, run: int, experiment: Experiment, seed: int) -> None:

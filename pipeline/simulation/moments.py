@@ -26,17 +26,17 @@ def moments_of(experiment: Experiment, batch: Batch) -> Iterator[Moment]:
     """
     setup, (table,) = experiment.setup, batch.drawn.timetables
     states, ahead, commands, _ = (part[0] for part in batch.trace)
-    first_seen = table.frames[0].tick if table.frames else len(table.rows)
-    for number, row in enumerate(table.rows):
+    first_seen = table.frames.ticks[0] if len(table.frames) else table.ticks
+    for number, phase in enumerate(table.phases):
         t = number * setup.period
         t_effective, t_start = t + setup.radio_delay, None
-        if row.mission >= 0:
-            t_start = t - row.mission * setup.period
+        if table.mission[number] >= 0:
+            t_start = t - int(table.mission[number]) * setup.period
         known = _robots(experiment, ahead[number]) if number >= first_seen else ()
         pairs = _pairs(experiment, known, t_effective - (t if t_start is None else t_start))
-        sent = commands[number] if row.phase in DRIVING else ()
+        sent = commands[number] if phase in DRIVING else ()
         orders = _commands(experiment, sent, t, t_effective)
-        cycle = Cycle(t, t_effective, row.phase, t_start, None, known, pairs, None, orders)
+        cycle = Cycle(t, t_effective, phase, t_start, None, known, pairs, None, orders)
         yield Moment(Tick(t), cycle, _robots(experiment, states[number]), _NO_TIME)
 
 

@@ -108,8 +108,8 @@ def point_of(experiment: Experiment, swept: dict[str, str], scored: Sequence[Sco
         leader=_spread(np.concatenate([some.figures.leader for some in scored])),
         clearance=_spread(np.concatenate([some.figures.clearance for some in scored]), True),
         kept_apart=sum(int(some.kept.sum()) for some in scored),
-        stopped=sum(table.mission.phase == "stopped" for table in tables),
-        steps=sum(len(table.rows) for table in tables),
+        stopped=sum(table.end.phase == "stopped" for table in tables),
+        steps=sum(table.ticks for table in tables),
     )
 
 
@@ -127,12 +127,12 @@ def run_result(experiment: Experiment, batch: Batch, wall: float) -> RunResult:
     setup, table = experiment.setup, batch.drawn.timetables[0]
     rows = dict(zip(setup.formation.robots, batch.figures.followers[0].tolist(), strict=True))
     first, end = table.driving
-    started = table.mission.t_start is not None
+    started = table.end.t_start is not None
     clearance = float(batch.figures.clearance[0])
     return RunResult(
         scenario=setup.name,
         frames=len(table.frames),
-        duration_s=(len(table.rows) - 1) * setup.period,
+        duration_s=(table.ticks - 1) * setup.period,
         wall_s=wall,
         truth=True,
         followers=tuple(
@@ -146,7 +146,7 @@ def run_result(experiment: Experiment, batch: Batch, wall: float) -> RunResult:
         latency_ms=None,
         commands_sent=(end - first) * len(setup.formation.robots),
         safety_events=_events(experiment, batch),
-        notes=initial_rates(setup, table.mission)[1] if started else (),
+        notes=initial_rates(setup, table.end)[1] if started else (),
     )
 
 

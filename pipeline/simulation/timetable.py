@@ -4,7 +4,7 @@ All robots are in every frame, so neither depends on how the robots drive: the r
 (`pipeline/guard.py`, `pipeline/mission.py`) decide before the machine code starts.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import floor
@@ -14,6 +14,7 @@ import numpy as np
 from control.command import RobotId
 from control.estimation import Estimate
 from datasets.cycle import SafetyEvent, Tick
+from datasets.simulation.inputs import Floats, Integers
 from pipeline.filming import make_delivery
 from pipeline.guard import GuardMemory, watch_over
 from pipeline.live import ENDS
@@ -33,59 +34,53 @@ Glimpses = Callable[[int], Scene | None]
 
 
 @dataclass(frozen=True, slots=True)
-class HandedFrame:
-    """A frame as the loop gets it.
+class HandedFrames:
+    """The frames that the loop looks at.
 
     Attributes:
-        tick: at which.
-        taken: when its picture was really taken [s].
-        stamp: when it says it was [s].
+        ticks: (F,) at which they come.
+        taken: (F,) when their pictures were really taken [s].
+        stamps: (F,) when they say they were [s].
     """
 
-    tick: int
-    taken: float
-    stamp: float
+    ticks: Integers
+    taken: Floats
+    stamps: Floats
 
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """One tick.
-
-    Attributes:
-        phase: of the mission.
-        mission: tick on the mission's clock, -1 before the start.
-        share: of its speed that every robot may drive.
-    """
-
-    phase: str
-    mission: int
-    share: float
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.ticks)
 
 
 @dataclass(frozen=True, slots=True)
 class Timetable:
-    """The course of a run.
+    """The course of a run of T ticks.
 
     Attributes:
-        frames: that the loop looks at, in the order of their ticks.
-        rows: one a tick.
-        mission: at the end; it remembers what was watched before its start.
+        frames: that the loop looks at.
+        phases: of the mission, one a tick.
+        mission: (T,) tick on the mission's clock, -1 before the start.
+        shares: (T,) of its speed that every robot may drive.
+        driving: first tick with commands, and the one behind the last.
+        end: the mission at the end; it remembers what was watched before its start.
         events: what the safety rules did.
     """
 
-    frames: tuple[HandedFrame, ...]
-    rows: tuple[Row, ...]
-    mission: Mission
+    frames: HandedFrames
+    phases: tuple[str, ...]
+    mission: Integers
+    shares: Floats
+    driving: tuple[int, int]
+    end: Mission
     events: tuple[SafetyEvent, ...]
 
     @property
-    def driving(self) -> tuple[int, int]:
-        """First tick with commands, and the one behind the last."""
-        ticks = [tick for tick, row in enumerate(self.rows) if row.phase in DRIVING]
-        return (ticks[0], ticks[-1] + 1) if ticks else (len(self.rows), len(self.rows))
+    def ticks(self) -> int:
+        """Number of ticks."""
+        return len(self.phases)
 
 
-def handed_frames(experiment: Experiment, seed: int) -> tuple[HandedFrame, ...]:
+def handed_frames(experiment: Experiment, seed: int) -> HandedFrames:
     """The frames that the loop looks at, as `cameras.rendered` would hand them out.
 
     Args:
@@ -97,7 +92,7 @@ def handed_frames(experiment: Experiment, seed: int) -> tuple[HandedFrame, ...]:
     """
     camera, period = experiment.scenario.camera, experiment.setup.period
     delivery = make_delivery(camera, seed)
-    frames: list[HandedFrame] = []
+    rows = list[tuple[int, float, float]]()
     following, last = 0, -1
     for tick in range(experiment.ticks):
         newest = floor((tick * period - camera.latency_s + _SLACK) * camera.fps)
@@ -107,13 +102,12 @@ def handed_frames(experiment: Experiment, seed: int) -> tuple[HandedFrame, ...]:
         if picture != last:
             n, last = arrived[-1], picture
             stamp = delivery.stamp(n, n / camera.fps, 1.0 / camera.fps)
-            frames.append(HandedFrame(tick, picture / camera.fps, stamp))
-    return tuple(frames)
+            rows.append((tick, picture / camera.fps, stamp))
+    ticks, taken, stamps = np.array(rows).reshape(-1, 3).T.copy()
+    return HandedFrames(ticks.astype(int), taken, stamps)
 
 
-def make_timetable(
-    experiment: Experiment, frames: tuple[HandedFrame, ...], glimpses: Glimpses
-) -> Timetable:
+def make_timetable(experiment: Experiment, frames: HandedFrames, glimpses: Glimpses) -> Timetable:
     """Let the rules run over all ticks.
 
     Args:
@@ -124,25 +118,39 @@ def make_timetable(
     Returns:
         The timetable; it ends with the mission, or with the experiment's ticks.
     """
-    setup, handed = experiment.setup, {frame.tick: n for n, frame in enumerate(frames)}
-    guard, mission, rows, events = GuardMemory(), Mission(), [], []
-    seen: dict[RobotId, float] = {}
+    setup, period = experiment.setup, experiment.setup.period
+    handed = {tick: number for number, tick in enumerate(frames.ticks.tolist())}
+    guard, mission, seen = GuardMemory(), Mission(), dict[RobotId, float]()
+    phases, rows, events = list[str](), list[tuple[int, float]](), list[SafetyEvent]()
     for number in range(experiment.ticks):
-        tick, scene = Tick(number * setup.period), None
+        tick, scene = Tick(number * period), None
         if number in handed:
-            stamp = frames[handed[number]].stamp
             tick, scene = replace(tick, frame=_PICTURE), glimpses(handed[number])
-            seen = dict.fromkeys(setup.formation.robots, stamp)
+            seen = dict.fromkeys(setup.formation.robots, float(frames.stamps[handed[number]]))
         guard, shares, told = watch_over(setup.rules, guard, setup.formation, seen, tick)
         mission = watch(setup, mission, scene)
-        mission = advance(setup, mission, _tracks(seen), shares, tick, setup.period)
-        share = shares[setup.formation.root]
-        rows.append(Row(mission.phase, _mission_tick(mission, tick.t, setup.period), share))
+        mission = advance(setup, mission, _tracks(seen), shares, tick, period)
+        phases.append(mission.phase)
+        rows.append((_mission_tick(mission, tick.t, period), shares[setup.formation.root]))
         events += told
         if mission.phase in ENDS:
             break
-    looked_at = tuple(frame for frame in frames if frame.tick < len(rows))
-    return Timetable(looked_at, tuple(rows), mission, tuple(events))
+    return _timetable(frames, phases, rows, mission, events)
+
+
+def _timetable(
+    frames: HandedFrames,
+    phases: Sequence[str],
+    rows: Sequence[tuple[int, float]],
+    end: Mission,
+    events: Sequence[SafetyEvent],
+) -> Timetable:
+    looked_at = frames.ticks < len(rows)
+    kept = HandedFrames(frames.ticks[looked_at], frames.taken[looked_at], frames.stamps[looked_at])
+    driven = [tick for tick, phase in enumerate(phases) if phase in DRIVING]
+    driving = (driven[0], driven[-1] + 1) if driven else (len(rows), len(rows))
+    mission, shares = (np.array(column) for column in zip(*rows, strict=True))
+    return Timetable(kept, tuple(phases), mission, shares, driving, end, tuple(events))
 
 
 def _tracks(seen: Mapping[RobotId, float]) -> Mapping[RobotId, Track]:

@@ -31,7 +31,7 @@ class PosesOnly:
     def __init__(self, experiment: Experiment, drawn: Drawn) -> None:
         self._experiment, camera = experiment, experiment.scenario.camera
         frames, noise = drawn.timetables[0].frames, drawn.chance.noise[0]
-        self._errors = {frame.taken: noise[number] for number, frame in enumerate(frames)}
+        self._errors = dict(zip(frames.taken.tolist(), noise, strict=False))
         self._shape = camera.height_px, camera.width_px, 3
 
     def render(self, states: tuple[RobotState, ...], t: float) -> NDArray[np.uint8]:
