@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from control.formation import by_follower
+from control.unicycle import UnicycleState
 from datasets.cycle import SafetyEvent
 from datasets.scores import FollowerScore, LeaderScore
 from datasets.sightings import Sighted
 from datasets.simulation.inputs import Floats
 from datasets.truth import RunResult
 from pipeline.mission import initial_rates
-from pipeline.restraint import CALM
+from pipeline.restraint import CALM, kept_event
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.runs import Batch, Scored
 
@@ -152,13 +153,15 @@ def run_result(experiment: Experiment, batch: Batch, wall: float) -> RunResult:
 
 def _events(experiment: Experiment, batch: Batch) -> tuple[SafetyEvent, ...]:
     """What rules and filter did, in order of time."""
-    events, period = list(batch.drawn.timetables[0].events), experiment.setup.period
-    for robot, ticks in zip(experiment.setup.formation.robots, batch.trace.kept[0].T, strict=True):
+    setup, events = experiment.setup, list(batch.drawn.timetables[0].events)
+    robots, ahead = setup.formation.robots, batch.trace.ahead[0].tolist()
+    for index, robot in enumerate(robots):
         last = -inf
-        for t in (np.flatnonzero(ticks) * period).tolist():
-            if t - last >= CALM:
-                events.append(SafetyEvent(t, "kept-apart", robot, "slowed or turned to keep clear"))
-            last = t
+        for tick in np.flatnonzero(batch.trace.kept[0, :, index]).tolist():
+            if (tick - last) * setup.period >= CALM:
+                states = {k: UnicycleState(*row) for k, row in zip(robots, ahead[tick], strict=True)}
+                events.append(kept_event(setup, robot, states, tick * setup.period))
+            last = tick
     return tuple(sorted(events, key=lambda event: event.t))
 
 
