@@ -1,4 +1,4 @@
-"""The filter's equations as loops, for machine code: a run predicts and corrects thousands of times.
+"""The filter's equations as loops, for machine code that predicts and corrects a thousand times.
 
 What `control/estimation.py` does with numpy and filterpy; the tests hold both against each other.
 """

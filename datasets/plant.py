@@ -1,6 +1,6 @@
 """Model (3) over one step with a constant drive: what the world and the batched runs share.
 
-    v' = ((1 + eps) c_v - v) / lag + pi_v,   omega' = ((1 + eps') c_omega - omega) / lag + pi_omega
+v' = ((1 + eps) c_v - v) / lag + pi_v,   omega' = ((1 + eps') c_omega - omega) / lag + pi_omega
 """
 
 from math import cos, exp, sin, sqrt
@@ -27,9 +27,7 @@ _EARLY, _LATE = 0.5 - sqrt(3.0) / 6.0, 0.5 + sqrt(3.0) / 6.0  # Gauss's two poin
 
 
 @compilable
-def motion_after(
-    motion: Motion, goal_v: float, goal_omega: float, lag: float, dt: float
-) -> Motion:
+def motion_after(motion: Motion, goal_v: float, goal_omega: float, lag: float, dt: float) -> Motion:
     """Drive on towards constant velocities.
 
     Velocities and heading are exact; the place is integrated by Gauss's two-point rule.

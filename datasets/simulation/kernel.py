@@ -29,9 +29,7 @@ def run_batch(host: Host, gains: Gains, field: Field, chance: Chance, trace: Tra
 
 
 @compilable
-def _run(
-    host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int
-) -> None:
+def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int) -> None:
     """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
     first, end, ticks = chance.ticks[run]
     period, delay, sent, rates = host.period, host.delay, trace.commands[run], chance.rates[run]
@@ -53,7 +51,13 @@ def _run(
             else:  # all stand, and their laws begin anew
                 sent[tick], laws.begun[0] = 0.0, False
             rates = np.zeros_like(rates)  # it was measured before the start alone
-        _note(trace.states[run, tick], trace.ahead[run, tick], plants.legs, filters.ahead, tick * period)
+        _note(
+            trace.states[run, tick],
+            trace.ahead[run, tick],
+            plants.legs,
+            filters.ahead,
+            tick * period,
+        )
 
 
 @compilable

@@ -134,7 +134,11 @@ def drive_until(
         while True:
             while following[robot, 1] < tick and lost[following[robot, 1], robot]:
                 following[robot, 1] += 1
-            command, picture, due = following[robot, 1], following[robot, 2], following[robot, 0] * GRID
+            command, picture, due = (
+                following[robot, 1],
+                following[robot, 2],
+                following[robot, 0] * GRID,
+            )
             arrival = command * period + delay if command < tick else inf
             begin = due if abs(arrival - due) < SLACK else min(arrival, due)
             while picture < len(taken) and taken[picture] <= min(begin, t):

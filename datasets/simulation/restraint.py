@@ -70,9 +70,7 @@ def _keep_apart(
 
 
 @compilable
-def _tell(
-    laws: Laws, filters: Filters, host: Host, field: Field, robot: int, given: Twist
-) -> None:
+def _tell(laws: Laws, filters: Filters, host: Host, field: Field, robot: int, given: Twist) -> None:
     """Let a law know what its robot gets, so that nothing winds up."""
     own, d = filters.ahead[robot].twist, host.follower.camera_offset
     u = host.follower.actuation.acceleration(own, given, host.period, filters.gains[robot])

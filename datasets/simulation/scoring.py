@@ -38,9 +38,7 @@ def _score(goals: Goals, chance: Chance, trace: Trace, figures: Figures, run: in
 
 
 @compilable
-def _follower(
-    goals: Goals, states: Floats, mission: Integers, robot: int, figures: Floats
-) -> None:
+def _follower(goals: Goals, states: Floats, mission: Integers, robot: int, figures: Floats) -> None:
     """Fill in the seven figures of a follower."""
     end = (len(mission) - 1) * goals.period
     late = end - LAST_SHARE * end

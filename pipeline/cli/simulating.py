@@ -103,7 +103,10 @@ def _run_once(request: Request, output: Output) -> None:
 
 
 def _points(
-    request: Request, points: Sequence[dict[str, str]], progress: Callable[[int], None], output: Output
+    request: Request,
+    points: Sequence[dict[str, str]],
+    progress: Callable[[int], None],
+    output: Output,
 ) -> Iterator[Point]:
     """Run point after point; what sees is made once, as no key that is swept touches it."""
     seeing, done = None, 0
@@ -143,11 +146,9 @@ def _tell(request: Request, points: Sequence[Point], wall: float, output: Output
         f"{steps / wall:,.0f} steps/s\nMedian / worst of the runs; errors of the worst follower, "
         f"true, last 20 % of a run"
     )
-    keys = [key for key in points[0].swept]
     header = (
-        *keys, "runs", "distance rms mm", "bearing rms deg", "settled at s", "leader rms mm",
-        "clearance mm", "kept apart",
-        "stopped",
+        *points[0].swept, "runs", "distance rms mm", "bearing rms deg", "settled at s",
+        "leader rms mm", "clearance mm", "kept apart", "stopped",
     )  # fmt: skip
     output.table(title, header, [_row(point) for point in points])
 

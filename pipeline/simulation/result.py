@@ -159,13 +159,17 @@ def _events(experiment: Experiment, batch: Batch) -> tuple[SafetyEvent, ...]:
         last = -inf
         for tick in np.flatnonzero(batch.trace.kept[0, :, index]).tolist():
             if (tick - last) * setup.period >= CALM:
-                states = {k: UnicycleState(*row) for k, row in zip(robots, ahead[tick], strict=True)}
+                states = {
+                    k: UnicycleState(*row) for k, row in zip(robots, ahead[tick], strict=True)
+                }
                 events.append(kept_event(setup, robot, states, tick * setup.period))
             last = tick
     return tuple(sorted(events, key=lambda event: event.t))
 
 
-def _score(follower: int | str, leaders: Sequence[int | str], row: Sequence[float]) -> FollowerScore:
+def _score(
+    follower: int | str, leaders: Sequence[int | str], row: Sequence[float]
+) -> FollowerScore:
     second = leaders[1] if len(leaders) == 2 else None
     return FollowerScore(follower, leaders[0], second, *map(_known, row))
 
@@ -176,7 +180,7 @@ def _known(value: float) -> float | None:
 
 def _worst(figures: Floats) -> Floats:
     """The greatest of all followers (N, R, 7) in each run, (N, 7); one never settled is worst."""
-    worst = np.fmax.reduce(figures, axis=1)
+    worst: Floats = np.fmax.reduce(figures, axis=1)
     settled = FIGURES.index("settled_at_s")
     worst[:, settled] = figures[:, :, settled].max(axis=1)
     return worst

@@ -52,7 +52,8 @@ class Batch:
     @property
     def scored(self) -> Scored:
         """The same without what was tick by tick."""
-        return Scored(self.drawn.timetables, self.figures, self.trace.kept.any(axis=(1, 2)))
+        kept = np.any(self.trace.kept, axis=(1, 2))
+        return Scored(self.drawn.timetables, self.figures, np.asarray(kept))
 
 
 def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:

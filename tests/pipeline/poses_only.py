@@ -1,4 +1,4 @@
-"""The loop of `live` with the poses of a simulated run: a picture's first pixels are their bytes."""
+"""The loop of `live` with the poses of a simulated run: the first pixels are their bytes."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pipeline.scenario import load_scenario
+from pipeline.simulation.draw import Drawer
 from pipeline.simulation.experiment import make_experiment
 from pipeline.simulation.result import Point, point_of
 from pipeline.simulation.runs import batches, run_some
-from pipeline.simulation.draw import Drawer
 
 IDEAL = (
     "camera.latency_s=0", "camera.fps=200", "radio.delay_s=0", "robots.*.mass_error=0",

@@ -158,7 +158,7 @@ def test_what_cannot_be_swept_is_named(text: str, said: str) -> None:
 
 
 def test_a_key_is_swept_once() -> None:
-    with pytest.raises(ConfigError, match="camera.fps: given twice"):
+    with pytest.raises(ConfigError, match=r"camera\.fps: given twice"):
         parse_axes(["camera.fps=15", "camera.fps=30"])
 
 
