@@ -115,6 +115,8 @@ class RobotConfig(Section):
     law: LawName | None = None
     mass_error: SignedFraction = 0.0
     inertia_error: SignedFraction = 0.0
+    disturbance_mps2: NonNegative = 0.0
+    turn_disturbance_radps2: NonNegative = 0.0
 
 
 class SegmentConfig(Section):
@@ -251,6 +253,13 @@ class SafetyConfig(Section):
         return self
 
 
+class SimulationConfig(Section):
+    """Errors of the poses that `simulate` puts in the place of a camera's."""
+
+    position_std_m: NonNegative = 0.0005
+    heading_std_deg: NonNegative = 0.46
+
+
 class Scenario(Section):
     """A whole run: camera, tags, robots, formation, path, laws, link and safety.
 
@@ -276,6 +285,7 @@ class Scenario(Section):
     startup: StartUpConfig = StartUpConfig()
     radio: RadioConfig = RadioConfig()
     safety: SafetyConfig = SafetyConfig()
+    simulation: SimulationConfig = SimulationConfig()
 
     @field_validator("robots")
     @classmethod

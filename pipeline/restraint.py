@@ -13,7 +13,7 @@ from control.command import RobotId
 from control.formation import by_follower
 from control.relative import Vector2
 from control.sliding import overruled
-from control.unicycle import Twist
+from control.unicycle import Twist, UnicycleState
 from datasets.cycle import SafetyEvent
 from pipeline.clearing import keep_apart
 from pipeline.memory import Laws, Track
@@ -52,8 +52,35 @@ def restrain(
             laws = _told(setup, laws, aim, robot, given[robot], tracks, dt)
     moved = [robot for robot in given if given[robot] != allowed[robot]]
     kept = {robot: last for robot, last in laws.kept.items() if t - last < CALM}
-    events = tuple(_event(setup, robot, tracks, t) for robot in moved if robot not in kept)
+    states = {robot: track.ahead for robot, track in tracks.items()}
+    events = tuple(kept_event(setup, robot, states, t) for robot in moved if robot not in kept)
     return replace(laws, kept=kept | dict.fromkeys(moved, t)), given, events
+
+
+def kept_event(
+    setup: Setup, robot: RobotId, states: Mapping[RobotId, UnicycleState], t: float
+) -> SafetyEvent:
+    """Who is kept off whom.
+
+    Args:
+        setup: clearance.
+        robot: that is kept off.
+        states: of all robots when the command takes effect.
+        t: now [s].
+
+    Returns:
+        The event.
+    """
+    own = states[robot]
+    ways = {
+        other: hypot(state.x - own.x, state.y - own.y)
+        for other, state in states.items()
+        if other != robot
+    }
+    nearest = min(ways, key=lambda other: ways[other], default=None)
+    least = 1e3 * setup.clearance.distance if setup.clearance else 0.0
+    detail = f"slowed or turned to keep {least:.0f} mm free; nearest is robot {nearest}"
+    return SafetyEvent(t, "kept-apart", robot, detail)
 
 
 def _scaled(twist: Twist, share: float) -> Twist:
@@ -117,17 +144,3 @@ def _told(
     sample = follower_sample(setup, by_follower(aim.pairs)[robot], tracks, NOTHING_TOLD)
     followers = {**laws.followers, robot: overruled(memory, sample, u, setup.gains[robot])}
     return replace(laws, followers=followers)
-
-
-def _event(setup: Setup, robot: RobotId, tracks: Tracks, t: float) -> SafetyEvent:
-    """Who is kept off whom."""
-    own = tracks[robot].ahead
-    ways = {
-        other: hypot(track.ahead.x - own.x, track.ahead.y - own.y)
-        for other, track in tracks.items()
-        if other != robot
-    }
-    nearest = min(ways, key=lambda other: ways[other], default=None)
-    least = 1e3 * setup.clearance.distance if setup.clearance else 0.0
-    detail = f"slowed or turned to keep {least:.0f} mm free; nearest is robot {nearest}"
-    return SafetyEvent(t, "kept-apart", robot, detail)

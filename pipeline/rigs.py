@@ -6,7 +6,7 @@ from math import radians
 from control.command import Command, RobotId
 from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
-from datasets.world import RobotPlant, World
+from datasets.world import Disturbance, RobotPlant, World
 from pipeline.cameras.device import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
@@ -175,8 +175,9 @@ def _plant(robot: RobotConfig) -> RobotPlant:
     if robot.start is None:
         raise ConfigError(f"robot {robot.id}: a rendered world needs its start (x_m, y_m)")
     return RobotPlant(
-        robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error
-    )
+        robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error,
+        disturbance=Disturbance(robot.disturbance_mps2, robot.turn_disturbance_radps2),
+    )  # fmt: skip
 
 
 def _state(start: StartConfig) -> UnicycleState:

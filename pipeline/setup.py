@@ -16,6 +16,7 @@ from control.formation import Formation
 from control.geometry import Pose2D
 from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
+from control.motion_model import UNCOMMANDED
 from control.obstacles import Obstacle
 from control.plan import Plan
 from control.reaching import ReachingGains
@@ -103,11 +104,12 @@ class Setup:
         return self.seeing.tags
 
 
-def make_setup(scenario: Scenario) -> Setup:
+def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run.
 
     Args:
         scenario: checked scenario.
+        seeing: of a scenario with the same camera, tags and colours, where there is one.
 
     Returns:
         The setup.
@@ -120,7 +122,7 @@ def make_setup(scenario: Scenario) -> Setup:
     rehearse_clearing()
     formation, leader = _course(scenario)
     try:
-        return _setup(scenario, formation, leader)
+        return _setup(scenario, seeing or make_seeing(scenario), formation, leader)
     except ControlError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
 
@@ -161,9 +163,11 @@ def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
     return scenario.formation, scenario.leader
 
 
-def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig) -> Setup:
-    period, seeing = scenario.control.command_period_s, make_seeing(scenario)
-    pairs, side = make_formation(scenario, formation), seeing.tags.tags[0].side
+def _setup(
+    scenario: Scenario, seeing: Seeing, formation: FormationConfig, leader: LeaderConfig
+) -> Setup:
+    period, side = scenario.control.command_period_s, seeing.tags.tags[0].side
+    pairs = make_formation(scenario, formation)
     arena = Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena()
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
@@ -178,7 +182,7 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         leader_gains=_leader_gains(leader),
         leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
-        free_motion=_motion(scenario, None, doubt),
+        free_motion=_motion(scenario, UNCOMMANDED, doubt),
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
         clearance=_clearance(scenario, seeing.tags.tags[0].side),
@@ -198,7 +202,7 @@ def _lag(scenario: Scenario) -> float:
     return scenario.estimation.lag_s or sum(lags) / len(lags)
 
 
-def _motion(scenario: Scenario, lag: float | None, doubt: tuple[float, float]) -> MotionModel:
+def _motion(scenario: Scenario, lag: float, doubt: tuple[float, float]) -> MotionModel:
     e = scenario.estimation
     accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
     return MotionModel(lag, *accelerations, *doubt)
