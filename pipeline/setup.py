@@ -26,11 +26,12 @@ from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.clearing import rehearse_clearing
-from pipeline.config import ControlConfig, LeaderConfig, Scenario
+from pipeline.config import ControlConfig, Scenario
 from pipeline.course import make_path, obstacles_of
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.guard import SafetyRules
+from pipeline.leader_config import LeaderConfig
 from pipeline.seeing import Seeing, make_seeing
 from pipeline.shaping import make_formation, starts_of
 from vision.camera import CameraModel
