@@ -24,6 +24,7 @@ from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D, wrap_angle
 from control.laws import law_named
 from control.leader import LeaderGains, LeaderMemory, begin_leader, leader_step
+from control.motion_model import UNCOMMANDED
 from control.output import LeaderMotion, pair_output, wanted_output
 from control.plan import PathSegment, Plan, PlannedPath
 from control.profile import TanhStep
@@ -154,7 +155,7 @@ class SmallWorld:
         """Motion model of a robot."""
         is_leader = robot == self.case.formation.root
         if is_leader and self.case.foreign_leader:
-            return MotionModel(lag=None)
+            return MotionModel(lag=UNCOMMANDED)
         return self.case.leader_model if is_leader else self.case.follower_model
 
     def gain(self, robot: RobotId) -> DriveGain:
