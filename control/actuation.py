@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from math import exp, isfinite
 
+from control.compilable import compilable
 from control.errors import ControlError
 from control.relative import Vector2
 from control.unicycle import SpeedLimits, Twist
@@ -71,7 +72,7 @@ class Actuation:
         """
         u1 = max(-self.v_rate_limit, min(self.v_rate_limit, acceleration[0]))
         u2 = max(-self.omega_rate_limit, min(self.omega_rate_limit, acceleration[1]))
-        share = self._share(dt)
+        share = _share(self.lag, dt)
         v, omega = (own.v + u1 / share) / gain.v, (own.omega + u2 / share) / gain.omega
         command = self.limits.saturate(Twist(v, omega))
         return command, self.acceleration(own, command, dt, gain)
@@ -90,7 +91,7 @@ class Actuation:
         Returns:
             Forward and angular acceleration [m/s^2, rad/s^2].
         """
-        share = self._share(dt)
+        share = _share(self.lag, dt)
         a1, a2 = gain.v * command.v - own.v, gain.omega * command.omega - own.omega
         return a1 * share, a2 * share
 
@@ -120,9 +121,11 @@ class Actuation:
             Twist(own.v + dt * min(b1, r1), own.omega + dt * min(b2, r2)),
         )
 
-    def _share(self, dt: float) -> float:
-        """Of the gap between velocity and command, closed per second [1/s]."""
-        return (1.0 - exp(-dt / self.lag)) / dt
+
+@compilable
+def _share(lag: float, dt: float) -> float:
+    """Of the gap between velocity and command, closed per second [1/s]."""
+    return (1.0 - exp(-dt / lag)) / dt
 
 
 def require_finite(what: str, *values: float) -> None:

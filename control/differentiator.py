@@ -1,18 +1,20 @@
-"""Derivatives from samples: Levant's robust exact differentiator (ref. [21]), and a line fit.
+"""Robust exact differentiators of Levant (ref. [21]): derivatives of orders 1 to n from samples.
 
-For h'(0) when robots already move at the start (Assumption 5, Remark 5 case 2). Plain floats.
+Implicit, or explicit and homogeneous (Livne and Levant). Periods may vary, samples may be missing.
+Plain floats.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import inf, isfinite, prod
-from statistics import pstdev
+from dataclasses import dataclass, replace
+from math import factorial, inf, isfinite, isnan, prod
 
 from control.errors import ControlError
 from control.geometry import wrap_angle
 
+MAX_ORDER = 5
+"""Highest order of a differentiator."""
+
 _MAX_NEWTON = 60  # quadratic from above: a dozen steps suffice
-_FIRST = 5  # samples over which an initial rate takes its first slope
 
 # lambda~ of orders 1 to 5, index 0 to n: the non-recursive form of 1.1, 1.5, 2, 3, 5, 8
 _LAMBDA: tuple[tuple[float, ...], ...] = (
@@ -26,47 +28,53 @@ _LAMBDA: tuple[tuple[float, ...], ...] = (
 
 @dataclass(frozen=True, slots=True)
 class Differentiator:
-    """Memory of an implicit homogeneous differentiator; its order n is len(z) - 1.
+    """Memory of a differentiator of order n: the polynomial of degree n that it takes for f.
 
     Attributes:
-        times: of the last samples, newest first; n + 1 of them after the first step [s].
-        z: estimates of the signal and its derivatives, unit per s^i. While the differentiator
-            slides they are i! times the divided differences of the last i + 1 samples.
-        lipschitz: bound of the derivative after the last one estimated, > 0 [unit per s^(n+1)].
+        t: time of the last sample, seen or missed [s].
+        nodes: (n + 1,) times of the last samples seen, newest first; the explicit form has its last
+            one in all places [s].
+        z: (n + 1,) z_i is i! times the divided difference over the first i + 1 nodes: of the
+            samples while the implicit form slides, and plain derivatives where all nodes are one
+            [unit per s^i].
+        lipschitz: L, bound of the derivative of order n + 1, > 0 [unit per s^(n+1)].
+        error: explicit form: z_0 less the last sample, 0 if that is missing [unit]; else None.
     """
 
-    times: tuple[float, ...]
+    t: float
+    nodes: tuple[float, ...]
     z: tuple[float, ...]
     lipschitz: float
+    error: float | None
 
     @property
-    def t(self) -> float:
-        """Time of the last sample [s]."""
-        return self.times[0]
+    def derivatives(self) -> tuple[float, ...]:
+        """(n + 1,) The signal and its derivatives at t, after missing samples extrapolated."""
+        return _derivatives(self.nodes, self.z, self.t)
 
     @property
     def rate(self) -> float:
         """First derivative at t [unit per s]."""
-        # Newton's interpolation, differentiated; z_1 + tau z_2/2 + tau^2 z_3/3 for even periods
-        result, weight = 0.0, 1.0
-        for j, z in enumerate(self.z[1:], start=1):
-            weight /= j
-            result += weight * z
-            weight *= self.times[0] - self.times[j] if j < len(self.times) else 0.0
-        return result
+        return self.derivatives[1]  # z_1 + tau z_2/2 + tau^2 z_3/3 + ... for even periods
 
 
 def begin_differentiator(
-    t: float, value: float, lipschitz: float, order: int = 2, rate: float = 0.0
+    t: float,
+    value: float,
+    lipschitz: float,
+    order: int = 2,
+    rate: float = 0.0,
+    explicit: bool = False,
 ) -> Differentiator:
     """Memory at the first sample: higher derivatives 0.
 
     Args:
         t: time of the sample [s].
-        value: the signal.
-        lipschitz: bound of the derivative of order + 1, > 0 [unit per s^(order + 1)].
-        order: derivatives to estimate, 1 to 5.
+        value: the signal [unit].
+        lipschitz: L, bound of the derivative of order + 1, > 0 [unit per s^(order + 1)].
+        order: n, derivatives to estimate, 1 to 5.
         rate: what the first derivative is thought to be [unit per s].
+        explicit: the explicit homogeneous form instead of the implicit one.
 
     Returns:
         The memory.
@@ -74,60 +82,104 @@ def begin_differentiator(
     Raises:
         ControlError: if the order or the bound is out of range, or the sample is not finite.
     """
-    if not (1 <= order <= len(_LAMBDA) and 0.0 < lipschitz < inf):
-        raise ControlError(f"differentiator: order {order} not in 1..5 or bound {lipschitz} <= 0")
+    if not (1 <= order <= MAX_ORDER and 0.0 < lipschitz < inf):
+        raise ControlError(
+            f"differentiator: order {order} not in 1..{MAX_ORDER} or bound {lipschitz} not > 0"
+        )
     if not (isfinite(t) and isfinite(value) and isfinite(rate)):
-        raise ControlError(f"differentiator: sample {value} at {t} s is not finite")
-    return Differentiator((t,), (value, rate) + (0.0,) * (order - 1), lipschitz)
+        raise ControlError(
+            f"differentiator: begins with value {value}, rate {rate} at {t} s; give finite ones"
+        )
+    z = (value, rate) + (0.0,) * (order - 1)
+    return Differentiator(t, (t,) * (order + 1), z, lipschitz, 0.0 if explicit else None)
 
 
-def differentiate(memory: Differentiator, t: float, value: float) -> Differentiator:
-    """Take one more sample; the period may vary, samples may be missing.
+def differentiate(memory: Differentiator, t: float, value: float | None) -> Differentiator:
+    """Take one more sample; the period may vary.
 
     Args:
         memory: the memory so far.
         t: time of the sample, after the last one [s].
-        value: the signal; an angle must be unwrapped.
+        value: the signal, an angle unwrapped; None or NaN if it was not seen: the polynomial then
+            goes on as it was [unit].
 
     Returns:
         The memory after the sample.
 
     Raises:
-        ControlError: if the sample is not finite or not later than the last one.
+        ControlError: if the sample is infinite, or its time not finite or not later than the last.
     """
-    tau = t - memory.t
-    if not (isfinite(t) and isfinite(value) and tau > 0.0):
-        raise ControlError(f"differentiator: sample {value} at {t} s after one at {memory.t} s")
-    n = len(memory.z) - 1
-    past = (
-        memory.times if len(memory.times) > 1 else tuple(memory.t - k * tau for k in range(n + 1))
-    )
-    h = [(t - past[i]) / (i + 1) for i in range(n + 1)]  # all tau for even periods
-    z = _implicit_step(memory.z, value, h, memory.lipschitz)
-    return Differentiator((t, *past[:n]), z, memory.lipschitz)
+    if not (isfinite(t) and t > memory.t):
+        raise ControlError(
+            f"differentiator: a sample at {t} s after one at {memory.t} s; times must ascend"
+        )
+    if value is not None and not isfinite(value):
+        if not isnan(value):
+            raise ControlError(f"differentiator: sample {value} at {t} s; give None if not seen")
+        value = None
+    if memory.error is not None:
+        return _explicit_step(memory, memory.error, t, value)
+    return replace(memory, t=t) if value is None else _implicit_step(memory, t, value)
 
 
-def _implicit_step(
-    z: tuple[float, ...], value: float, h: list[float], lipschitz: float
-) -> tuple[float, ...]:
-    """z after the step: z_i+ = z_i + h_i (psi_i(e) + z_(i+1)+), psi_i at the error e after it."""
-    n = len(z) - 1
-    gains = [_LAMBDA[n - 1][n - i] * lipschitz ** ((i + 1) / (n + 1)) for i in range(n + 1)]
-    b = _unroll(z, h) - value
-    p, xi = _implicit_error(abs(b), [prod(h[: i + 1]) * gains[i] for i in range(n + 1)])
-    sign, result = 1.0 if b > 0.0 else -1.0, [0.0]  # z_(n+1) = 0
+def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:
+    """Make a sequence of wrapped angles continuous.
+
+    Args:
+        angles: (N,) angles [rad].
+
+    Returns:
+        (N,) angles that differ from those by whole turns, and from one another by at most half a
+        turn from entry to entry [rad].
+    """
+    result: list[float] = []
+    for angle in angles:
+        result.append(result[-1] + wrap_angle(angle - result[-1]) if result else angle)
+    return tuple(result)
+
+
+def _explicit_step(m: Differentiator, e: float, t: float, value: float | None) -> Differentiator:
+    """Livne and Levant: z_i+ = sum_j>=i tau^(j-i) z_j/(j-i)! + tau psi_i(e), e = z_0 - f."""
+    n, tau, ahead = len(m.z) - 1, t - m.t, _derivatives(m.nodes, m.z, t)
+    psi = _corrections(_gains(m), e, abs(e) ** (1.0 / (n + 1)), float(e != 0.0))
+    z = tuple(a + tau * psi_i for a, psi_i in zip(ahead, psi, strict=True))
+    return Differentiator(t, (t,) * (n + 1), z, m.lipschitz, 0.0 if value is None else z[0] - value)
+
+
+def _implicit_step(m: Differentiator, t: float, value: float) -> Differentiator:
+    """z_i+ = z_i + h_i (psi_i(e) + z_(i+1)+), with psi_i at the error e after the step."""
+    n, gains = len(m.z) - 1, _gains(m)
+    h = [(t - node) / (i + 1) for i, node in enumerate(m.nodes)]  # all tau for even periods
+    error = _derivatives(m.nodes, m.z, t)[0] - value
+    p, xi = _implicit_error(abs(error), [prod(h[: i + 1]) * gains[i] for i in range(n + 1)])
+    psi = _corrections(gains, error, p, xi)
+    z = [0.0]  # z_(n+1)
     for i in range(n, -1, -1):
-        psi = -gains[i] * sign * (p ** (n - i) if i < n else xi)
-        result.append(z[i] + h[i] * (psi + result[-1]))
-    return tuple(reversed(result[1:]))
+        z.append(m.z[i] + h[i] * (psi[i] + z[-1]))
+    return Differentiator(t, (t, *m.nodes[:n]), tuple(reversed(z[1:])), m.lipschitz, None)
 
 
-def _unroll(z: tuple[float, ...], h: list[float]) -> float:
-    """z_0 after a step without correction."""
-    result = 0.0
-    for zi, hi in zip(reversed(z), reversed(h), strict=True):
-        result = zi + hi * result
-    return result
+def _gains(m: Differentiator) -> list[float]:
+    """lambda~_(n-i) L^((i+1)/(n+1)) of psi_0 to psi_n."""
+    n = len(m.z) - 1
+    return [_LAMBDA[n - 1][n - i] * m.lipschitz ** ((i + 1) / (n + 1)) for i in range(n + 1)]
+
+
+def _corrections(gains: list[float], error: float, p: float, xi: float) -> list[float]:
+    """psi_i for errors of the sign of `error`, of size p^(n+1); |psi_n| is its gain times xi."""
+    n, sign = len(gains) - 1, 1.0 if error > 0.0 else -1.0
+    return [-g * sign * (p ** (n - i) if i < n else xi) for i, g in enumerate(gains)]
+
+
+def _derivatives(nodes: tuple[float, ...], z: tuple[float, ...], t: float) -> tuple[float, ...]:
+    """Of Newton's polynomial, sum_j z_j/j! prod_i<j (t - node_i), by Horner's rule."""
+    result = [0.0] * len(z)
+    for j in range(len(z) - 1, -1, -1):
+        reach = t - nodes[j]
+        for i in range(len(z) - 1 - j, 0, -1):
+            result[i] = result[i] * reach + i * result[i - 1]
+        result[0] = result[0] * reach + z[j] / factorial(j)
+    return tuple(result)
 
 
 def _implicit_error(b: float, c: list[float]) -> tuple[float, float]:
@@ -147,61 +199,3 @@ def _implicit_error(b: float, c: list[float]) -> tuple[float, float]:
         if step <= 1e-15 * p:
             break
     return p, 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class InitialRate:
-    """A rate and how well it is known.
-
-    Attributes:
-        rate: of the signal at the last sample [unit per s].
-        spread: standard deviation of the estimate over the last third of the samples [unit per s].
-    """
-
-    rate: float
-    spread: float
-
-
-def initial_rate(times: Sequence[float], values: Sequence[float], lipschitz: float) -> InitialRate:
-    """Rate of a signal that was watched for a moment, for h'(0) of (25): Remark 5, case 2.
-
-    Args:
-        times: (N,) capture times, N >= 2, ascending [s].
-        values: (N,) the signal, angles unwrapped.
-        lipschitz: bound of the signal's third derivative, > 0 [unit per s^3].
-
-    Returns:
-        The differentiator's last estimate, and how much the latest ones differ.
-
-    Raises:
-        ControlError: if there are fewer than 2 samples, the lengths differ or a sample is unusable.
-    """
-    if len(times) != len(values) or len(times) < 2:
-        raise ControlError(f"a rate needs 2 samples, got {len(times)} times, {len(values)} values")
-    first = min(_FIRST, len(times) - 1)
-    if not times[first] > times[0]:
-        raise ControlError(f"a rate needs ascending times, got {times[0]} and {times[first]} s")
-    slope = (values[first] - values[0]) / (times[first] - times[0])
-    # begun at its first slope it need not converge from 0, which takes longer than watching does
-    memory = begin_differentiator(times[first], values[first], lipschitz, rate=slope)
-    course = [slope]
-    for t, value in zip(times[first + 1 :], values[first + 1 :], strict=True):
-        memory = differentiate(memory, t, value)
-        course.append(memory.rate)
-    return InitialRate(course[-1], pstdev(course[-(len(course) // 3 or 1) :]))
-
-
-def unwrapped(angles: Sequence[float]) -> tuple[float, ...]:
-    """Make a sequence of wrapped angles continuous.
-
-    Args:
-        angles: (N,) angles [rad].
-
-    Returns:
-        (N,) angles that differ from those by whole turns, and from one another by at most half a
-        turn from entry to entry [rad].
-    """
-    result: list[float] = []
-    for angle in angles:
-        result.append(result[-1] + wrap_angle(angle - result[-1]) if result else angle)
-    return tuple(result)

@@ -1,4 +1,4 @@
-"""The followers' laws by name, and what each needs to know."""
+"""The followers' laws by name, what each needs to know, and the leader's laws."""
 
 from enum import IntEnum
 
@@ -6,7 +6,16 @@ from control.compilable import compilable
 from control.errors import ControlError
 
 
-class Law(IntEnum):
+class Named(IntEnum):
+    """Laws that scenarios call by their names."""
+
+    @property
+    def title(self) -> str:
+        """The law's name in scenarios, e.g. "implicit-twisting"."""
+        return self.name.lower().replace("_", "-")
+
+
+class Law(Named):
     """A follower's law. The second-order ones need the relative configuration alone (Assumption 4);
     the first-order ones also the velocities of the leader (Assumption 2)."""
 
@@ -19,14 +28,20 @@ class Law(IntEnum):
     FIRST_ORDER_IMPLICIT = 6
     SUPER_TWISTING = 7
 
-    @property
-    def title(self) -> str:
-        """The law's name in scenarios, e.g. "implicit-twisting"."""
-        return self.name.lower().replace("_", "-")
+
+class LeaderLaw(Named):
+    """The law of the formation's leader: the paper's, and two of its literature."""
+
+    SLIDING = 0
+    SATURATED = 1
+    LINEARISING = 2
 
 
 LAW_NAMES: tuple[str, ...] = tuple(law.title for law in Law)
-"""Names of all laws, the default first."""
+"""Names of the followers' laws, the default first."""
+
+LEADER_LAW_NAMES: tuple[str, ...] = tuple(law.title for law in LeaderLaw)
+"""Names of the leader's laws, the default first."""
 
 
 @compilable
@@ -54,6 +69,25 @@ def law_named(name: str) -> Law:
     Raises:
         ControlError: if there is no law of that name.
     """
-    if name not in LAW_NAMES:
-        raise ControlError(f"no law {name!r}; there are: {', '.join(LAW_NAMES)}")
-    return Law(LAW_NAMES.index(name))
+    return Law(_index(name, LAW_NAMES))
+
+
+def leader_law_named(name: str) -> LeaderLaw:
+    """Find a law of the leader by its name.
+
+    Args:
+        name: one of LEADER_LAW_NAMES.
+
+    Returns:
+        The law.
+
+    Raises:
+        ControlError: if there is no law of that name.
+    """
+    return LeaderLaw(_index(name, LEADER_LAW_NAMES))
+
+
+def _index(name: str, names: tuple[str, ...]) -> int:
+    if name not in names:
+        raise ControlError(f"no law {name!r}; there are: {', '.join(names)}")
+    return names.index(name)

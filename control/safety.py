@@ -219,7 +219,7 @@ def _rate(row: Row, twists: Floats) -> float:
 @compilable
 def _met(rows: list[Row], twists: Floats) -> bool:
     for row in rows:  # noqa: SIM110 (the compiler knows no generator over a list)
-        if _rate(row, twists) < row[6]:
+        if _rate(row, twists) < row[6] - _EXACT:
             return False
     return True
 

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from control.errors import ControlError
-from control.laws import law_named
+from control.laws import law_named, leader_law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
 from pipeline.palette_config import PaletteConfig
@@ -38,6 +38,15 @@ def _known_law(name: str) -> str:
     return name
 
 
+def _known_leader_law(name: str) -> str:
+    try:
+        leader_law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
+
+
+LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
 LawName = Annotated[str, AfterValidator(_known_law)]
 
 
@@ -123,17 +132,47 @@ class SegmentConfig(Section):
         return self
 
 
+class GoalConfig(Section):
+    """Where a planned way ends, at a standstill."""
+
+    x_m: Finite
+    y_m: Finite
+    heading_deg: Finite = 0.0
+
+
+class ObstacleConfig(Section):
+    """A disc to drive round; where it is at the mission's start, and its constant velocity."""
+
+    x_m: Finite
+    y_m: Finite
+    radius_m: Positive
+    vx_mps: Finite = 0.0
+    vy_mps: Finite = 0.0
+
+
 class LeaderConfig(Section):
-    """The planned path of the formation's leader and its tracking law."""
+    """The way of the formation's leader, by segments or planned to a goal, and its tracking law.
+
+    A planned way is driven at `speed_mps` at most; `ramp_s` from there to a standstill is its limit
+    of acceleration.
+    """
 
     start: StartConfig
     speed_mps: Positive = 0.5
     ramp_s: Positive = 1.0
-    segments: tuple[SegmentConfig, ...] = Field(min_length=1)
+    segments: tuple[SegmentConfig, ...] | None = Field(default=None, min_length=1)
+    goal: GoalConfig | None = None
     proportional: Positive = 8.0
     integral: Positive = 16.0
     reaching_mps2: Positive = 3.0
     point_offset_m: Positive = 0.1
+    law: LeaderLawName = "sliding"
+
+    @model_validator(mode="after")
+    def _segments_or_goal(self) -> Self:
+        if (self.segments is None) == (self.goal is None):
+            raise ValueError("give either segments or goal")
+        return self
 
 
 class ControlConfig(Section):
@@ -231,6 +270,7 @@ class Scenario(Section):
     robots: tuple[RobotConfig, ...] = Field(min_length=1)
     formation: FormationConfig | None = None
     leader: LeaderConfig | None = None
+    obstacles: tuple[ObstacleConfig, ...] = ()
     control: ControlConfig = ControlConfig()
     estimation: EstimationConfig = EstimationConfig()
     startup: StartUpConfig = StartUpConfig()
@@ -252,4 +292,6 @@ class Scenario(Section):
         for robot in self.formation.robots if self.formation else ():
             if robot not in known:
                 raise ValueError(f"formation names robot {robot}, which is not among the robots")
+        if self.obstacles and not (self.leader and self.leader.goal):
+            raise ValueError("obstacles are for a leader with a goal; segments do not mind them")
         return self

@@ -5,8 +5,9 @@ from dataclasses import replace
 from math import degrees
 
 from control.command import RobotId
-from control.differentiator import InitialRate, initial_rate, unwrapped
+from control.differentiator import unwrapped
 from control.formation import by_follower
+from control.initial_rate import MIN_SAMPLES, InitialRate, initial_rate
 from control.relative import Vector2, relative_state
 from datasets.cycle import Tick
 from pipeline.memory import Glimpse, Mission, Track
@@ -86,7 +87,7 @@ def initial_rates(
         Rates by follower, empty for robots that start from rest (case 1); and notes that state
         the estimate and its spread (case 2).
     """
-    if not setup.watch_time or len(mission.glimpses) < 3:
+    if not mission.glimpses:
         return {}, ()
     rates: dict[RobotId, Vector2] = {}
     notes: list[str] = []
@@ -126,9 +127,17 @@ def _before_start(
     if setup.watch_time:
         if mission.phase != "watching":
             return Mission("watching")
-        if not mission.glimpses or tick.t - mission.glimpses[0].t < setup.watch_time:
+        if not _watched(setup, mission, tick.t):
             return mission
     return replace(mission, phase="running", t_start=tick.t)
+
+
+def _watched(setup: Setup, mission: Mission, t: float) -> bool:
+    """Whether all robots were seen together often enough, for long enough, and until lately."""
+    times = [glimpse.t for glimpse in mission.glimpses]
+    if len(times) < MIN_SAMPLES:
+        return False
+    return t - times[0] >= setup.watch_time and t - times[-1] < setup.rules.slow_after
 
 
 def _rates(mission: Mission, index: int) -> tuple[InitialRate, InitialRate]:

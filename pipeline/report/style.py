@@ -59,22 +59,22 @@ def house_style() -> AbstractContextManager[None]:
 
 
 def new_figure(height: float, rows: int = 1, columns: int = 1) -> "tuple[Figure, list[Axes]]":
-    """Begin a figure with plots; those of a single column share the horizontal axis.
+    """Begin a figure with plots that share the horizontal axis in a column, the vertical in a row.
 
     Args:
         height: of the figure, 7.4 inches wide [inch].
-        rows: number of plots in a column.
-        columns: number of plots in a row.
+        rows: of plots.
+        columns: of plots.
 
     Returns:
-        The figure and its plots.
+        The figure and its plots, row by row.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(7.4, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False)
+    axes = figure.subplots(rows, columns, sharex="col", sharey="row", squeeze=False)
     return figure, list(np.ravel(axes))
 
 

@@ -1,7 +1,7 @@
 """The planned path in closed form, and the first-order law that tracks it."""
 
 from dataclasses import replace
-from math import hypot, nan, pi
+from math import atan2, cos, hypot, nan, pi, sin
 
 import pytest
 from hypothesis import given
@@ -10,13 +10,16 @@ from hypothesis import strategies as st
 from control.actuation import Actuation, DriveGain
 from control.errors import ControlError
 from control.geometry import Pose2D
+from control.laws import LeaderLaw
 from control.leader import LeaderGains, begin_leader, leader_step
-from control.plan import PathSegment, PlannedPath
+from control.plan import PathSegment, Plan, PlannedMotion, PlannedPath
+from control.relative import Vector2
 from control.unicycle import Twist, UnicycleState, advance_lagged
 
 ARC = PathSegment(pi * 0.4, 2.5)
 PAPER = PlannedPath(Pose2D(0, 0, 0), (PathSegment(1.05), ARC, PathSegment(1.0)), 0.5, 0.0, 1.0)
 GAINS, ACTUATION = LeaderGains(), Actuation()
+KNOWN = (0.0, 0.0)  # errors of drive gains that the filter has found
 
 
 def test_the_paper_s_path() -> None:
@@ -68,16 +71,24 @@ def test_on_its_plan_the_leader_accelerates_as_planned(t: float) -> None:
     assert after.acceleration == pytest.approx((planned.v_rate, planned.omega_rate), abs=1e-9)
 
 
-def track(start: UnicycleState, gain: DriveGain, tick: float) -> list[tuple[float, float, float]]:
+def track(
+    start: UnicycleState,
+    gain: DriveGain,
+    tick: float,
+    plan: Plan = PAPER,
+    gains: LeaderGains = GAINS,
+    errors: Vector2 = (0.1, -0.1),
+) -> list[tuple[float, float, float]]:
     """Ideal measurements: time, position error [m] and greatest |s| [m/s]."""
     state, rows = start, []
-    memory = begin_leader(state, PAPER.at(0.0), GAINS)
+    memory = begin_leader(state, plan.at(0.0), gains)
     for i in range(round(8.0 / tick)):
-        planned = PAPER.at(i * tick)
-        memory, command = leader_step(memory, state, planned, tick, GAINS, ACTUATION, gain)
+        planned = plan.at(i * tick)
+        memory, command = leader_step(memory, state, planned, tick, gains, ACTUATION, gain)
         off = hypot(planned.state.x - state.x, planned.state.y - state.y)
         rows.append((i * tick, off, max(map(abs, memory.sliding))))
-        driven = Twist(1.1 * gain.v * command.v, 0.9 * gain.omega * command.omega)
+        v, omega = gain.v * command.v, gain.omega * command.omega
+        driven = Twist((1.0 + errors[0]) * v, (1.0 + errors[1]) * omega)
         state = advance_lagged(state, driven, tick, ACTUATION.lag)
     return rows
 
@@ -89,6 +100,47 @@ def test_an_off_start_is_tracked_in_despite_wrong_gains(gain: DriveGain) -> None
     late = [off for t, off, _ in rows if t > 2.0]
     assert max(late) < 0.015  # m
     assert (sum(off**2 for off in late) / len(late)) ** 0.5 < 0.006
+
+
+class FigureOfEight:
+    """x = sin wt, y = sin 2wt / 2: a closed way that never stands still."""
+
+    def at(self, t: float) -> PlannedMotion:
+        """Wanted motion; accelerations by differences."""
+        h = 1e-4
+        before, now, after = (self.state(t + k * h) for k in (-1, 0, 1))
+        return PlannedMotion(
+            now, (after.v - before.v) / (2 * h), (after.omega - before.omega) / (2 * h)
+        )
+
+    def state(self, t: float) -> UnicycleState:
+        """Pose and velocities, flat in (x, y)."""
+        w = 0.6
+        x1, y1 = w * cos(w * t), w * cos(2 * w * t)
+        x2, y2 = -w * w * sin(w * t), -2 * w * w * sin(2 * w * t)
+        v = hypot(x1, y1)
+        return UnicycleState(
+            sin(w * t), 0.5 * sin(2 * w * t), atan2(y1, x1), v, (x1 * y2 - y1 * x2) / v**2
+        )
+
+
+@pytest.mark.parametrize("law", list(LeaderLaw))
+@pytest.mark.parametrize("tick", [0.005, 0.06])
+def test_every_law_stays_on_its_way(law: LeaderLaw, tick: float) -> None:
+    eight, gains = FigureOfEight(), LeaderGains(law=law)
+    for plan in (PAPER, eight):
+        rows = track(plan.at(0.0).state, DriveGain(), tick, plan, gains, KNOWN)
+        late = [off for t, off, _ in rows if t > 2.0]
+        assert (sum(off**2 for off in late) / len(late)) ** 0.5 < 0.015  # m
+
+
+@pytest.mark.parametrize("law", list(LeaderLaw))
+def test_every_law_comes_back_to_its_way(law: LeaderLaw) -> None:
+    eight = FigureOfEight()
+    off = replace(eight.at(0.0).state, x=-0.1, y=0.1, v=0.5)
+    rows = track(off, DriveGain(), 0.01, eight, LeaderGains(law=law), KNOWN)
+    assert rows[0][1] > 0.1
+    assert max(off for t, off, _ in rows if t > 3.0) < 0.02
 
 
 def test_limits_hold_and_s_starts_at_zero_for_any_start() -> None:

@@ -22,6 +22,7 @@ from control.sliding import (
     SlidingGains,
     begin,
     follower_step,
+    overruled,
 )
 from control.twisting import TwistingGains, implicit_twisting
 from control.unicycle import SpeedLimits, Twist, UnicycleState, advance_lagged, advance_pose
@@ -154,6 +155,21 @@ def test_saturation_is_told_to_the_law() -> None:
     assert memory.acceleration[0] == pytest.approx(0.1 * (1 - exp(-0.2)) / 0.01)
     # s'' = v + K e' + ...: v_applied = L e + h'' - G u, here G = -1
     assert memory.distance.applied == pytest.approx(-4.8 + memory.acceleration[0])
+
+
+@given(RELATIVE, REFERENCE, OWN)
+def test_an_overruled_law_is_as_if_its_limits_had_said_so(
+    relative: RelativeState, reference: ShapeReference, own: Twist
+) -> None:
+    sample, slow = sampled(relative, own, reference), SpeedLimits(0.05, 0.2)
+    tight = FollowerModel(0.05, Actuation(0.05, slow))
+    limited, command = follower_step(started(sample), sample, 0.01, GAINS, tight)
+    free, _ = follower_step(started(sample), sample, 0.01, GAINS, MODEL)
+    given = MODEL.actuation.acceleration(own, command, 0.01)
+    told = overruled(free, sample.output.input_matrix, given)
+    assert told.acceleration == pytest.approx(limited.acceleration)
+    assert told.distance.applied == pytest.approx(limited.distance.applied, abs=1e-6)
+    assert told.bearing.applied == pytest.approx(limited.bearing.applied, abs=1e-6)
 
 
 def test_sampled_twisting_has_no_change_at_the_first_sample() -> None:

@@ -48,7 +48,10 @@ def test_the_papers_experiment(seed: int) -> None:
     assert result.leader is not None
     assert result.leader.position_rms_m is not None
     assert 1e3 * result.leader.position_rms_m <= 5.0
-    assert not result.safety_events
+    assert result.min_clearance_m is not None
+    assert 1e3 * result.min_clearance_m >= 20.0
+    assert {event.kind for event in result.safety_events} == {"kept-apart"}  # R2 and R3 at first
+    assert all(event.t < 1.5 for event in result.safety_events)
     turn = [m for m in moments if 2.65 < m.tick.t < 5.15]
     speeds: dict[object, list[float]] = {r.robot_id: [] for r in turn[0].truth}
     for moment in turn:

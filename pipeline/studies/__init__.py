@@ -1,0 +1,1 @@
+"""Questions about the laws, each answered by one figure and one table."""
