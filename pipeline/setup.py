@@ -104,6 +104,23 @@ class Setup:
 
 
 def make_setup(scenario: Scenario) -> Setup:
+    """Build all that is constant in a run, and load what its first cycle must not wait for.
+
+    Args:
+        scenario: checked scenario.
+
+    Returns:
+        The setup.
+
+    Raises:
+        ConfigError: as `build_setup`.
+    """
+    load_filter()
+    rehearse_clearing()
+    return build_setup(scenario)
+
+
+def build_setup(scenario: Scenario) -> Setup:
     """Build all that is constant in a run.
 
     Args:
@@ -116,8 +133,6 @@ def make_setup(scenario: Scenario) -> Setup:
         ConfigError: if the formation, the path, the tags or the camera are inconsistent, or a
             section that driving needs is missing.
     """
-    load_filter()
-    rehearse_clearing()
     formation, leader = _course(scenario)
     try:
         return _setup(scenario, formation, leader)
