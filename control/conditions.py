@@ -126,7 +126,7 @@ def find_needs(
     if is_first_order(gains.law):
         return None
 
-    def slack(pace: float, added: float) -> float:
+    def _slack(pace: float, added: float) -> float:
         met = conditions(gains, moved(pace, added), doubt)
         return min(1.0 - condition.needed / condition.given for condition in met)
 
@@ -137,8 +137,8 @@ def find_needs(
         _least_gains(gains.law, now, doubt, coupled=True),
         _least_gains(gains.law, now, doubt, coupled=False) or (inf, inf),
         _greatest_error(gains, now, doubt),
-        _greatest_pace(lambda pace: slack(pace, 0.0)),
-        next((float(added) for added in wider if slack(1.0, added) > 0.0), None),
+        _greatest_pace(lambda pace: _slack(pace, 0.0)),
+        next((float(added) for added in wider if _slack(1.0, added) > 0.0), None),
     )
 
 

@@ -17,13 +17,13 @@ from control.actuation import DriveGain
 from control.errors import ControlError
 from control.geometry import Pose2D, wrap_angle
 from control.history import SentCommands as SentCommands
+from control.kalman import GAIN_RANGE
 from control.motion_model import Array, process_noise, transition
 from control.motion_model import MotionModel as MotionModel
 from control.motion_model import roll as roll
 from control.unicycle import UnicycleState
 
 _OBSERVED = np.eye(3, 7)  # a camera sees the pose alone
-_GAIN_RANGE = (0.5, 2.0)  # a robot that is held or slips is no robot of gain 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ def correct(estimate: Estimate, pose: Pose2D, covariance: Array) -> Estimate:
     measured = np.array([pose.x, pose.y, pose.theta])
     ekf.update(measured, lambda _: _OBSERVED, lambda mean: mean[:3], residual=_residual)
     mean: Array = ekf.x
-    mean[5:] = mean[5:].clip(*_GAIN_RANGE)
+    mean[5:] = mean[5:].clip(*GAIN_RANGE)
     return Estimate(estimate.t, mean, _symmetric(ekf.P))
 
 

@@ -120,26 +120,26 @@ def certify(
     own = np.abs(turn) * np.hypot(v, camera_offset * turn)
     doubt = Doubt(assumed.model_error, push_length(assumed.disturbance, camera_offset))
 
-    def moved(pace: float, added: float) -> Demands:
+    def _moved(pace: float, added: float) -> Demands:
         changed = course.moved(pace, added)
         return demands(changed, ON_COURSE, gains, camera_offset, leader_known, own)
 
-    def along(doubt: Doubt) -> Verdict:
+    def _along(doubt: Doubt) -> Verdict:
         error = doubt.model_error
         rate = disturbance_rate(course, ideal, camera_offset, error, leader_known)
-        return _verdict(gains, moved(1.0, 0.0), doubt, rate)
+        return _verdict(gains, _moved(1.0, 0.0), doubt, rate)
 
-    omega, run = omega_for(course, gains), along(doubt)
+    omega, run = omega_for(course, gains), _along(doubt)
     centered = replace(course, error=np.zeros_like(course.error))
     over = demands(centered, (omega.bounds, omega.rates), gains, camera_offset, leader_known)
     return Certificate(
         omega,
         float(course.output[0, 0].min()),
         doubt,
-        along(Doubt()),
+        _along(Doubt()),
         run,
         _verdict(gains, over, doubt, inf),
-        find_needs(gains, doubt, moved) if not run.holds else None,
+        find_needs(gains, doubt, _moved) if not run.holds else None,
     )
 
 

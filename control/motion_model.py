@@ -4,29 +4,36 @@ Extended state: x, y, theta, v, omega and the two drive gains, (7,).
 """
 
 from dataclasses import dataclass
-from math import ceil, cos, exp, sin
+from math import ceil, cos, exp, inf, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
 from control.actuation import NOMINAL_GAIN, DriveGain
+from control.compilable import compilable
 from control.errors import ControlError
 from control.history import SentCommands
 from control.unicycle import Twist, UnicycleState, advance_lagged, advance_pose
+from control.value import value
 
 Array = NDArray[np.float64]
 
 _FINE = 0.01  # longest piece of a roll: its curve is laid along one arc [s]
+_ROUNDING = 1e-9  # a piece longer than that by rounding is no reason for two [1]
 _HOLD = 1.0 / 30.0  # for which an unknown acceleration keeps its value in MotionModel [s]
 
+UNCOMMANDED = inf
+"""Lag of a robot whose commands nobody knows: it keeps its velocities [s]."""
 
+
+@value
 @dataclass(frozen=True, slots=True)
 class MotionModel:
     """How a robot is believed to move between frames.
 
     Attributes:
-        lag: time constant with which it follows the commands sent to it; None if nobody knows its
-            commands: it then keeps its velocities but for unknown accelerations [s].
+        lag: time constant with which it follows the commands sent to it, > 0; `UNCOMMANDED` if
+            nobody knows them: it then keeps its velocities but for unknown accelerations [s].
         acceleration_std: unknown forward acceleration, standard deviation of a value that holds
             for 1/30 s [m/s^2].
         angular_acceleration_std: the same of the turning [rad/s^2].
@@ -41,7 +48,7 @@ class MotionModel:
             negative.
     """
 
-    lag: float | None = 0.05
+    lag: float = 0.05
     acceleration_std: float = 2.0
     angular_acceleration_std: float = 5.0
     initial_v_std: float = 0.03
@@ -52,7 +59,7 @@ class MotionModel:
     def __post_init__(self) -> None:
         accelerations = (self.acceleration_std, self.angular_acceleration_std)
         speeds = (self.initial_v_std, self.initial_omega_std)
-        positive = min(*accelerations, *speeds, 1.0 if self.lag is None else self.lag) > 0.0
+        positive = min(*accelerations, *speeds, self.lag) > 0.0
         if not (positive and min(self.gain_std, self.gain_drift) >= 0.0):
             raise ControlError(f"a motion model needs a lag and deviations > 0, got {self}")
 
@@ -65,7 +72,7 @@ def roll(
     model: MotionModel,
     gain: DriveGain = NOMINAL_GAIN,
 ) -> UnicycleState:
-    """Roll a state forward through every command in force on the way; without lag, it coasts.
+    """Roll a state forward through every command in force on the way.
 
     Args:
         state: pose and velocities at t0.
@@ -78,19 +85,42 @@ def roll(
     Returns:
         Pose and velocities at t1; the heading is not wrapped.
     """
-    if model.lag is None:
-        pose = advance_pose(state.pose, state.twist, max(t1 - t0, 0.0))
-        return UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
+    if model.lag == UNCOMMANDED:
+        return driven(state, state.twist, max(t1 - t0, 0.0), model.lag, gain)
     for dt, command in sent.between(t0, t1):
-        driven = Twist(gain.v * command.v, gain.omega * command.omega)
-        pieces = ceil(dt / _FINE)
-        for _ in range(pieces):
-            state = advance_lagged(state, driven, dt / pieces, model.lag)
+        state = driven(state, command, dt, model.lag, gain)
     return state
 
 
+@compilable
+def driven(
+    state: UnicycleState, command: Twist, dt: float, lag: float, gain: DriveGain
+) -> UnicycleState:
+    """Drive under one command, in pieces short enough for arcs.
+
+    Args:
+        state: pose and velocities at the start.
+        command: in force all the time [m/s, rad/s].
+        dt: duration, >= 0 [s].
+        lag: time constant of the motors; `UNCOMMANDED`: the robot coasts [s].
+        gain: velocities it reaches per velocity commanded.
+
+    Returns:
+        Pose and velocities at the end; the heading is not wrapped.
+    """
+    if lag == UNCOMMANDED:
+        pose = advance_pose(state.pose, state.twist, dt)
+        return UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
+    goal = Twist(gain.v * command.v, gain.omega * command.omega)
+    pieces = ceil(dt / _FINE - _ROUNDING)
+    for _ in range(pieces):
+        state = advance_lagged(state, goal, dt / pieces, lag)
+    return state
+
+
+@compilable
 def transition(
-    old: UnicycleState, new: UnicycleState, dt: float, lag: float | None, gain: DriveGain
+    old: UnicycleState, new: UnicycleState, dt: float, lag: float, gain: DriveGain
 ) -> Array:
     """Jacobian of the roll from old to new with respect to the extended state.
 
@@ -98,20 +128,21 @@ def transition(
         old: state at the start.
         new: state at the end.
         dt: duration [s].
-        lag: time constant of the motors, None if the commands are unknown [s].
+        lag: time constant of the motors; `UNCOMMANDED`: the robot coasts [s].
         gain: drive gains during the roll.
 
     Returns:
-        (7, 7).
+        (7, 7), upper triangular.
     """
-    decay = exp(-dt / lag) if lag else 1.0
-    reach = lag * (1.0 - decay) if lag else dt  # way per initial velocity
+    commanded = lag != UNCOMMANDED
+    decay = exp(-dt / lag)
+    reach = lag * (1.0 - decay) if commanded else dt  # way per initial velocity
     f = np.eye(7)
     f[:2, 2] = old.y - new.y, new.x - old.x
     f[3, 3] = f[4, 4] = decay
     f[:5, 3] = _moved(old, new, way=reach, v=decay)
     f[:5, 4] = _moved(old, new, turn=reach, omega=decay)
-    if lag:
+    if commanded:
         way, turn = _way_and_turn(old, new)
         v, omega = new.v - decay * old.v, new.omega - decay * old.omega  # what the commands gave
         f[:5, 5] = _moved(old, new, way=(way - reach * old.v) / gain.v, v=v / gain.v)
@@ -120,6 +151,7 @@ def transition(
     return f
 
 
+@compilable
 def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: MotionModel) -> Array:
     """Covariance that unknown accelerations and drifting gains add during the roll.
 
@@ -133,25 +165,28 @@ def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: Moti
         (7, 7), symmetric.
     """
     way, cross, speed = _white_acceleration(dt, model.lag)
-    forward, turning = model.acceleration_std**2, model.angular_acceleration_std**2
-    unit = np.zeros((4, 4))
-    unit[:2, :2] = (forward * way, forward * cross), (forward * cross, forward * speed)
-    unit[2:, 2:] = (turning * way, turning * cross), (turning * cross, turning * speed)
-    moved = np.array(
+    forward = _HOLD * model.acceleration_std**2
+    turning = _HOLD * model.angular_acceleration_std**2
+    fw, fc, fs = forward * way, forward * cross, forward * speed
+    tw, tc, ts = turning * way, turning * cross, turning * speed
+    (a, b, _, _, _), (c, d, _, _, _) = _moved(old, new, way=1.0), _moved(old, new, turn=1.0)
+    xy = fw * a * b + tw * c * d
+    way_driven, turned = _way_and_turn(old, new)
+    drift = model.gain_drift**2
+    return np.array(
         (
-            _moved(old, new, way=1.0),
-            _moved(old, new, v=1.0),
-            _moved(old, new, turn=1.0),
-            _moved(old, new, omega=1.0),
+            (fw * a * a + tw * c * c, xy, tw * c, fc * a, tc * c, 0.0, 0.0),
+            (xy, fw * b * b + tw * d * d, tw * d, fc * b, tc * d, 0.0, 0.0),
+            (tw * c, tw * d, tw, 0.0, tc, 0.0, 0.0),
+            (fc * a, fc * b, 0.0, fs, 0.0, 0.0, 0.0),
+            (tc * c, tc * d, tc, 0.0, ts, 0.0, 0.0),
+            (0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(way_driven), 0.0),
+            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(turned)),
         )
     )
-    noise = np.zeros((7, 7))
-    noise[:5, :5] = moved.T @ (_HOLD * unit) @ moved
-    driven, turned = _way_and_turn(old, new)
-    noise[5, 5], noise[6, 6] = model.gain_drift**2 * abs(driven), model.gain_drift**2 * abs(turned)
-    return noise
 
 
+@compilable
 def _way_and_turn(old: UnicycleState, new: UnicycleState) -> tuple[float, float]:
     """Way [m] and turn [rad] from old to new."""
     middle = 0.5 * (old.theta + new.theta)
@@ -159,6 +194,7 @@ def _way_and_turn(old: UnicycleState, new: UnicycleState) -> tuple[float, float]
     return way, new.theta - old.theta
 
 
+@compilable
 def _moved(
     old: UnicycleState,
     new: UnicycleState,
@@ -175,9 +211,10 @@ def _moved(
     return x, y, turn, v, omega
 
 
-def _white_acceleration(dt: float, lag: float | None) -> tuple[float, float, float]:
+@compilable
+def _white_acceleration(dt: float, lag: float) -> tuple[float, float, float]:
     """Variance of the way, its covariance with the speed, variance of the speed, per density."""
-    if lag is None:
+    if lag == UNCOMMANDED:
         return dt**3 / 3.0, dt**2 / 2.0, dt
     decay = exp(-dt / lag)
     reach = lag * (1.0 - decay)

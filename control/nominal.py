@@ -81,12 +81,12 @@ def half_width(gains: ChannelGains, bound: float, rate: float = 0.0) -> float:
     """
     _require_bound(bound)
 
-    def excess(width: float) -> float:
+    def _excess(width: float) -> float:
         return max(greatest(gains, end, rate)[0] for end in (width, -width)) - bound
 
-    if excess(0.0) >= 0.0:
+    if _excess(0.0) >= 0.0:
         return 0.0
-    return bound if excess(bound) <= 0.0 else float(brentq(excess, 0.0, bound))
+    return bound if _excess(bound) <= 0.0 else float(brentq(_excess, 0.0, bound))
 
 
 def _next(gains: ChannelGains, value: float, rate: float) -> float:

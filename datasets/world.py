@@ -10,7 +10,7 @@ arrivals of commands, so the motion does not depend on how often the world is ad
 from bisect import insort
 from collections import deque
 from dataclasses import dataclass
-from math import cos, exp, inf, isfinite, pi, sin, sqrt
+from math import inf, isfinite
 
 import numpy as np
 
@@ -19,14 +19,9 @@ from control.unicycle import SpeedLimits, Twist, UnicycleState
 from datasets.bodies import pair_gaps
 from datasets.cycle import RobotState
 from datasets.errors import SimulationError
+from datasets.plant import GRID, SLACK, Motion, draw_tones, motion_after, wave
 
-GRID = 0.005  # longest step [s]
 MEMORY = 1.0  # how far back `states` reaches [s]
-
-_Motion = tuple[float, float, float, float, float]  # x, y, theta, v, omega
-_NODES = (0.5 - sqrt(3.0) / 6.0, 0.5 + sqrt(3.0) / 6.0)  # Gauss's two points on [0, 1]
-_TONES = 3  # sinusoids in a disturbance
-_SLACK = 1e-9  # times closer than this are the same [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +152,7 @@ class World:
         Raises:
             SimulationError: if the world does not know the states at t.
         """
-        if not max(0.0, self._now - MEMORY) - _SLACK <= t <= self._now + _SLACK:
+        if not max(0.0, self._now - MEMORY) - SLACK <= t <= self._now + SLACK:
             raise SimulationError(f"asked for the states at {t} s, the world is at {self._now} s")
         return tuple(
             RobotState(robot_id, UnicycleState(*robot.at(t)))
@@ -191,28 +186,14 @@ class _Leg:
     """A step with constant drive: where it began, and the velocities it tends to."""
 
     t: float
-    motion: _Motion
+    motion: Motion
     goal_v: float
     goal_omega: float
     lag: float
 
-    def at(self, t: float) -> _Motion:
+    def at(self, t: float) -> Motion:
         """Motion at t >= self.t."""
-        dt = t - self.t
-        if dt <= 0.0:
-            return self.motion
-        x, y, theta, v, omega = self.motion
-        dv, dw, lag = v - self.goal_v, omega - self.goal_omega, self.lag
-        for node in _NODES:
-            s = node * dt
-            decay = exp(-s / lag) if lag else 0.0
-            heading = theta + self.goal_omega * s + dw * lag * (1.0 - decay)
-            way = 0.5 * dt * (self.goal_v + dv * decay)
-            x += way * cos(heading)
-            y += way * sin(heading)
-        decay = exp(-dt / lag) if lag else 0.0
-        theta += self.goal_omega * dt + dw * lag * (1.0 - decay)
-        return x, y, theta, self.goal_v + dv * decay, self.goal_omega + dw * decay
+        return motion_after(self.motion, self.goal_v, self.goal_omega, self.lag, t - self.t)
 
 
 class _Robot:
@@ -224,7 +205,7 @@ class _Robot:
         self._pending: list[tuple[float, int, Twist]] = []
         self._taken = 0
         self._grid = 1  # number of the next grid point
-        self._tones = 2.0 * pi * rng.uniform((0.2, 0.0), (3.0, 1.0), (2, _TONES, 2))
+        self._tones = draw_tones(rng)
         s = plant.start
         self._legs: deque[_Leg] = deque()
         self._begin_leg(0.0, (s.x, s.y, s.theta, s.v, s.omega))
@@ -239,10 +220,10 @@ class _Robot:
         while True:
             due = self._grid * GRID
             arrival = self._pending[0][0] if self._pending else inf
-            begin = due if abs(arrival - due) < _SLACK else min(arrival, due)
+            begin = due if abs(arrival - due) < SLACK else min(arrival, due)
             if begin > t:
                 break
-            if arrival < begin + _SLACK:
+            if arrival < begin + SLACK:
                 self._drive = self._pending.pop(0)[2]
             if begin == due:
                 self._grid += 1
@@ -250,12 +231,12 @@ class _Robot:
         while len(self._legs) > 2 and self._legs[1].t < t - MEMORY - GRID:
             self._legs.popleft()
 
-    def at(self, t: float) -> _Motion:
+    def at(self, t: float) -> Motion:
         """Motion at a time the memory reaches."""
         leg = next((leg for leg in reversed(self._legs) if leg.t <= t), self._legs[0])
         return leg.at(t)
 
-    def _begin_leg(self, t: float, motion: _Motion) -> None:
+    def _begin_leg(self, t: float, motion: Motion) -> None:
         """Start a step under the present drive and disturbance."""
         plant, drive = self.plant, self._drive
         if drive is None:  # not commanded yet: the motors keep what they do
@@ -271,5 +252,4 @@ class _Robot:
         bound = self.plant.disturbance
         if not (bound.v or bound.omega):
             return 0.0, 0.0
-        forward, turn = (sum(sin(f * t + phase) for f, phase in tones) for tones in self._tones)
-        return bound.v * forward / _TONES, bound.omega * turn / _TONES
+        return bound.v * wave(self._tones[0], t), bound.omega * wave(self._tones[1], t)

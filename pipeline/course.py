@@ -14,7 +14,8 @@ from control.plan_request import FollowerPlace, LeaderLimits, PlanRequest
 from control.planner import plan
 from control.safety import Arena
 from control.unicycle import UnicycleState
-from pipeline.config import LeaderConfig, Scenario, SegmentConfig
+from pipeline.config import Scenario
+from pipeline.leader_config import LeaderConfig, SegmentConfig
 
 FEEDBACK = 0.9  # of the wheels' speed that a plan may use: the rest is for the laws
 ACCURACY = 0.02  # to which a formation follows its plan, alpha of (9) [m]

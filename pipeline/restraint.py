@@ -11,15 +11,14 @@ import numpy as np
 
 from control.command import RobotId
 from control.formation import by_follower
-from control.output import follower_output
 from control.relative import Vector2
 from control.sliding import overruled
-from control.unicycle import Twist
+from control.unicycle import Twist, UnicycleState
 from datasets.cycle import SafetyEvent
 from pipeline.clearing import keep_apart
 from pipeline.memory import Laws, Track
 from pipeline.setup import Setup
-from pipeline.steering import UNKNOWN, Aim
+from pipeline.steering import NOTHING_TOLD, Aim, follower_sample
 
 FOLLOWER_FREEDOM, LEADER_FREEDOM = 1.0, 0.25  # the leader gives way less: all follow it
 CALM = 0.5  # after which a robot that was kept off others counts as left alone [s]
@@ -50,11 +49,38 @@ def restrain(
     given = _apart(setup, allowed, aim.shares, tracks, dt)
     for robot in wanted:
         if given[robot] != wanted[robot]:
-            laws = _told(setup, laws, aim, robot, given[robot], tracks[robot], dt)
+            laws = _told(setup, laws, aim, robot, given[robot], tracks, dt)
     moved = [robot for robot in given if given[robot] != allowed[robot]]
     kept = {robot: last for robot, last in laws.kept.items() if t - last < CALM}
-    events = tuple(_event(setup, robot, tracks, t) for robot in moved if robot not in kept)
+    states = {robot: track.ahead for robot, track in tracks.items()}
+    events = tuple(kept_event(setup, robot, states, t) for robot in moved if robot not in kept)
     return replace(laws, kept=kept | dict.fromkeys(moved, t)), given, events
+
+
+def kept_event(
+    setup: Setup, robot: RobotId, states: Mapping[RobotId, UnicycleState], t: float
+) -> SafetyEvent:
+    """Who is kept off whom.
+
+    Args:
+        setup: clearance.
+        robot: that is kept off.
+        states: of all robots when the command takes effect.
+        t: now [s].
+
+    Returns:
+        The event.
+    """
+    own = states[robot]
+    ways = {
+        other: hypot(state.x - own.x, state.y - own.y)
+        for other, state in states.items()
+        if other != robot
+    }
+    nearest = min(ways, key=lambda other: ways[other], default=None)
+    least = 1e3 * setup.clearance.distance if setup.clearance else 0.0
+    detail = f"slowed or turned to keep {least:.0f} mm free; nearest is robot {nearest}"
+    return SafetyEvent(t, "kept-apart", robot, detail)
 
 
 def _scaled(twist: Twist, share: float) -> Twist:
@@ -105,32 +131,16 @@ def _freedom(setup: Setup, robot: RobotId, shares: Mapping[RobotId, float]) -> f
 
 
 def _told(
-    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, given: Twist, track: Track, dt: float
+    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, given: Twist, tracks: Tracks, dt: float
 ) -> Laws:
     """The laws after a robot's twist was replaced."""
-    gain = track.estimate.gain
-    u = setup.follower.actuation.acceleration(track.ahead.twist, given, dt, gain)
+    track = tracks[robot]
+    u = setup.follower.actuation.acceleration(track.ahead.twist, given, dt, track.estimate.gain)
     if robot == setup.formation.root:
         return replace(laws, leader=laws.leader and replace(laws.leader, acceleration=u))
     memory = laws.followers.get(robot)
     if memory is None:
         return laws
-    pairs = by_follower(aim.pairs)[robot]
-    relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
-    output = follower_output(relatives, track.ahead.twist, [UNKNOWN] * len(pairs), d)
-    followers = {**laws.followers, robot: overruled(memory, output.input_matrix, u)}
+    sample = follower_sample(setup, by_follower(aim.pairs)[robot], tracks, NOTHING_TOLD)
+    followers = {**laws.followers, robot: overruled(memory, sample, u, setup.gains[robot])}
     return replace(laws, followers=followers)
-
-
-def _event(setup: Setup, robot: RobotId, tracks: Tracks, t: float) -> SafetyEvent:
-    """Who is kept off whom."""
-    own = tracks[robot].ahead
-    ways = {
-        other: hypot(track.ahead.x - own.x, track.ahead.y - own.y)
-        for other, track in tracks.items()
-        if other != robot
-    }
-    nearest = min(ways, key=lambda other: ways[other], default=None)
-    least = 1e3 * setup.clearance.distance if setup.clearance else 0.0
-    detail = f"slowed or turned to keep {least:.0f} mm free; nearest is robot {nearest}"
-    return SafetyEvent(t, "kept-apart", robot, detail)

@@ -6,14 +6,15 @@ from math import radians
 from control.command import Command, RobotId
 from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
-from datasets.world import RobotPlant, World
+from datasets.world import Disturbance, RobotPlant, World
 from pipeline.cameras.device import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
-from pipeline.config import RobotConfig, Scenario, StartConfig
+from pipeline.config import RobotConfig, Scenario
 from pipeline.errors import ConfigError
 from pipeline.filming import make_delivery, make_renderer
+from pipeline.leader_config import StartConfig
 from pipeline.live import Rig
 from pipeline.ports import Clock, CommandSink
 from pipeline.radios.miabot import MiabotSettings
@@ -175,8 +176,9 @@ def _plant(robot: RobotConfig) -> RobotPlant:
     if robot.start is None:
         raise ConfigError(f"robot {robot.id}: a rendered world needs its start (x_m, y_m)")
     return RobotPlant(
-        robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error
-    )
+        robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error,
+        disturbance=Disturbance(robot.disturbance_mps2, robot.turn_disturbance_radps2),
+    )  # fmt: skip
 
 
 def _state(start: StartConfig) -> UnicycleState:

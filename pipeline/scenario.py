@@ -155,23 +155,24 @@ def _override(table: Table, text: str) -> None:
     keys = path.strip().split(".")
     if not equals or not all(keys):
         raise ConfigError(f'--set {text}: need "section.key=value"')
-    node: Any = table
+    nodes: list[Any] = [table]
     for key, parent in zip(keys[:-1], ["", *keys], strict=False):
-        node = _descend(node, key, parent, text)
-    if not isinstance(node, dict):
-        raise ConfigError(f"--set {text}: {'.'.join(keys[:-1])} has no keys")
-    node[keys[-1]] = _value(value.strip())
+        nodes = [below for node in nodes for below in _descend(node, key, parent, text)]
+    for node in nodes:
+        if not isinstance(node, dict):
+            raise ConfigError(f"--set {text}: {'.'.join(keys[:-1])} has no keys")
+        node[keys[-1]] = _value(value.strip())
 
 
-def _descend(node: Any, key: str, parent: str, text: str) -> Any:
-    """One step down a path; the members of a list go by their id."""
+def _descend(node: Any, key: str, parent: str, text: str) -> list[Any]:
+    """One step down a path; the members of a list go by their id, all of them by a star."""
     if isinstance(node, dict):
-        return node.setdefault(key, {})
+        return [node.setdefault(key, {})]
     if isinstance(node, list):
         name = _NAMES.get(parent, "id")
-        for member in node:
-            if isinstance(member, dict) and str(member.get(name)) == key:
-                return member
+        named = [m for m in node if isinstance(m, dict) and key in (str(m.get(name)), "*")]
+        if named:
+            return named
         raise ConfigError(f'--set {text}: no member of {parent} with {name} "{key}"')
     raise ConfigError(f"--set {text}: {parent} has no keys")
 

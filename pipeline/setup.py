@@ -16,6 +16,7 @@ from control.formation import Formation
 from control.geometry import Pose2D
 from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
+from control.motion_model import UNCOMMANDED
 from control.obstacles import Obstacle
 from control.plan import Plan
 from control.reaching import ReachingGains
@@ -25,11 +26,12 @@ from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.clearing import rehearse_clearing
-from pipeline.config import ControlConfig, LeaderConfig, Scenario
+from pipeline.config import ControlConfig, Scenario
 from pipeline.course import make_path, obstacles_of
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.guard import SafetyRules
+from pipeline.leader_config import LeaderConfig
 from pipeline.seeing import Seeing, make_seeing
 from pipeline.shaping import make_formation, starts_of
 from vision.camera import CameraModel
@@ -103,11 +105,12 @@ class Setup:
         return self.seeing.tags
 
 
-def make_setup(scenario: Scenario) -> Setup:
+def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run, and load what its first cycle must not wait for.
 
     Args:
         scenario: checked scenario.
+        seeing: of a scenario with the same camera, tags and colours, where there is one.
 
     Returns:
         The setup.
@@ -117,14 +120,15 @@ def make_setup(scenario: Scenario) -> Setup:
     """
     load_filter()
     rehearse_clearing()
-    return build_setup(scenario)
+    return build_setup(scenario, seeing)
 
 
-def build_setup(scenario: Scenario) -> Setup:
+def build_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run.
 
     Args:
         scenario: checked scenario.
+        seeing: of a scenario with the same camera, tags and colours, where there is one.
 
     Returns:
         The setup.
@@ -135,7 +139,7 @@ def build_setup(scenario: Scenario) -> Setup:
     """
     formation, leader = _course(scenario)
     try:
-        return _setup(scenario, formation, leader)
+        return _setup(scenario, seeing or make_seeing(scenario), formation, leader)
     except ControlError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
 
@@ -176,9 +180,11 @@ def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
     return scenario.formation, scenario.leader
 
 
-def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig) -> Setup:
-    period, seeing = scenario.control.command_period_s, make_seeing(scenario)
-    pairs, side = make_formation(scenario, formation), seeing.tags.tags[0].side
+def _setup(
+    scenario: Scenario, seeing: Seeing, formation: FormationConfig, leader: LeaderConfig
+) -> Setup:
+    period, side = scenario.control.command_period_s, seeing.tags.tags[0].side
+    pairs = make_formation(scenario, formation)
     arena = Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena()
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
@@ -193,7 +199,7 @@ def _setup(scenario: Scenario, formation: FormationConfig, leader: LeaderConfig)
         leader_gains=_leader_gains(leader),
         leader_commands_known=scenario.control.leader_commands_known,
         motion=_motion(scenario, _lag(scenario), doubt),
-        free_motion=_motion(scenario, None, doubt),
+        free_motion=_motion(scenario, UNCOMMANDED, doubt),
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
         clearance=_clearance(scenario, seeing.tags.tags[0].side),
@@ -213,7 +219,7 @@ def _lag(scenario: Scenario) -> float:
     return scenario.estimation.lag_s or sum(lags) / len(lags)
 
 
-def _motion(scenario: Scenario, lag: float | None, doubt: tuple[float, float]) -> MotionModel:
+def _motion(scenario: Scenario, lag: float, doubt: tuple[float, float]) -> MotionModel:
     e = scenario.estimation
     accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
     return MotionModel(lag, *accelerations, *doubt)

@@ -55,10 +55,11 @@ def judged(statuses: list[int]) -> int:
 
 
 def _compile() -> None:
-    """Compile the vision, once and not in every process."""
-    subprocess.run(
-        (sys.executable, "-m", "pipeline", "check", "paper"), stdout=subprocess.DEVNULL, check=True
-    )
+    """Compile vision and simulation, once and not in every process."""
+    for command in ("check", "simulate"):
+        subprocess.run(
+            (sys.executable, "-m", "pipeline", command), stdout=subprocess.DEVNULL, check=True
+        )
 
 
 def _pytest(arguments: list[str]) -> int:

@@ -37,6 +37,18 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return _kept(function, {"nogil": True})
 
 
+def compiled_side_by_side(function: Callable[P, R]) -> Callable[P, R]:
+    """Compile a function whose `prange` loops run on all cores.
+
+    Args:
+        function: as for `compiled`; its turns must not depend on each other.
+
+    Returns:
+        The function, compiled.
+    """
+    return _kept(function, {"nogil": True, "parallel": True})
+
+
 def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function that only compiled functions call; half the work for the compiler.
 
@@ -50,12 +62,12 @@ def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _kept(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
-    """Compiled with its machine code kept in a folder that stands for all sources of its package.
+    """Compiled with its machine code kept in a folder that stands for all sources of its packages.
 
     The compiler itself looks at the caller's file only: code that calls a function changed in
     another file would be taken for up to date.
     """
-    _CONFIG.CACHE_DIR = _GIVEN_PLACE or _place(function.__module__.partition(".")[0])
+    _CONFIG.CACHE_DIR = _GIVEN_PLACE or _place(function.__module__.rpartition(".")[0])
     fast: Callable[P, R] = numba.njit(**options, **_HOW)(function)
     _CONFIG.CACHE_DIR = _GIVEN_PLACE
     return fast
@@ -65,9 +77,10 @@ def _kept(function: Callable[P, R], options: dict[str, Any]) -> Callable[P, R]:
 def _place(package: str) -> str:
     """Folder for the machine code of a package; "" where nobody may write: numba then finds one."""
     root = Path(__file__).parents[1]
-    here = root / package
-    laws = () if package == _ALONE else (root / "control").glob("*.py")  # they are compiled along
-    read = sorted({*here.glob("*.py"), *laws})
+    here = root.joinpath(*package.split("."))
+    laws = () if package == _ALONE else (root / "control",)  # they are compiled along
+    around = [folder for folder in here.parents if root in folder.parents]
+    read = sorted({path for folder in (here, *around, *laws) for path in folder.glob("*.py")})
     sources = b"".join(path.read_bytes() for path in read)
     folder = here / "__pycache__" / (_NAME + sha256(sources).hexdigest()[:16])
     if folder.is_dir():

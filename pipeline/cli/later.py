@@ -9,7 +9,6 @@ import typer
 from pipeline.errors import ConfigError
 
 LATER = {
-    "simulate": "control without a camera, batched; until then: echelon live --fast",
     "cameras": "what can be opened; until then: echelon live --camera SPEC says what is wrong",
 }
 

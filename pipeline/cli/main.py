@@ -8,7 +8,19 @@ from typing import Annotated
 import typer
 
 from control.errors import EchelonError
-from pipeline.cli import calibrate, check, later, live, locate, render, replay, report, study, tags
+from pipeline.cli import (
+    calibrate,
+    check,
+    later,
+    live,
+    locate,
+    render,
+    replay,
+    report,
+    simulate,
+    study,
+    tags,
+)
 from pipeline.errors import CameraError, RadioError
 
 app = typer.Typer(
@@ -43,7 +55,7 @@ def general(
     del version, debug  # one has its callback, the other is taken before arguments are parsed
 
 
-for command in (live, replay, render, locate, report, check, study, tags):
+for command in (live, replay, simulate, render, locate, report, check, study, tags):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 app.add_typer(calibrate.calibrate)
 later.register(app)

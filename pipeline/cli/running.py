@@ -96,7 +96,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
-        scenario = _paced(scenario, rig.sink.min_period, output)
+        scenario = paced(scenario, rig.sink.min_period, output)
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)
         setup = make_setup(scenario)
@@ -194,6 +194,25 @@ def finish(outputs: Outputs, output: Output) -> None:
         output.say(f"report: {write_report(outputs.session, outputs.report)}")
 
 
+def paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
+    """The scenario with a command period that the radio can carry.
+
+    Args:
+        scenario: checked scenario.
+        min_period: how often the link carries a command for every robot [s].
+        output: where a longer period is told.
+
+    Returns:
+        The scenario, changed if its period was too short.
+    """
+    period = ROOM * min_period
+    if scenario.control.command_period_s >= period:
+        return scenario
+    output.say(f"the radio carries a command every {1e3 * period:.1f} ms: the law runs at that")
+    control = scenario.control.model_copy(update={"command_period_s": period})
+    return scenario.model_copy(update={"control": control})
+
+
 def _scenario(request: Request) -> Scenario:
     changes = list(request.overrides)
     if request.command_period is not None:
@@ -206,16 +225,6 @@ def _end(request: Request, scenario: Scenario) -> float | None:
     if request.duration is None and request.camera == "rendered":
         return scenario.duration_s + PATIENCE
     return request.duration
-
-
-def _paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
-    """The scenario with a command period that the radio can carry."""
-    period = ROOM * min_period
-    if scenario.control.command_period_s >= period:
-        return scenario
-    output.say(f"the radio carries a command every {1e3 * period:.1f} ms: the law runs at that")
-    control = scenario.control.model_copy(update={"command_period_s": period})
-    return scenario.model_copy(update={"control": control})
 
 
 def _viewer(view: str, setup: Setup, wait: bool) -> Observer:

@@ -21,7 +21,7 @@ from control.estimation import (
 )
 from control.geometry import Pose2D
 from control.history import KEEP
-from control.motion_model import process_noise, transition
+from control.motion_model import UNCOMMANDED, process_noise, transition
 from control.unicycle import Twist, UnicycleState, advance_lagged, advance_pose
 
 NOISE = np.diag([0.0005**2, 0.0005**2, 0.008**2])
@@ -80,7 +80,7 @@ def test_a_roll_in_two_pieces_is_the_roll(length: float, share: float) -> None:
 
 
 def test_unknown_commands_coast_and_known_ones_follow_the_plant() -> None:
-    coasting = roll(STATE, 0.0, 0.1, history(), MotionModel(lag=None))
+    coasting = roll(STATE, 0.0, 0.1, history(), MotionModel(lag=UNCOMMANDED))
     arc = advance_pose(STATE.pose, STATE.twist, 0.1)
     assert (coasting.x, coasting.y, coasting.theta) == (arc.x, arc.y, arc.theta)
     plant = STATE
@@ -91,8 +91,8 @@ def test_unknown_commands_coast_and_known_ones_follow_the_plant() -> None:
     assert abs(known.theta - plant.theta) < 1e-9
 
 
-@pytest.mark.parametrize("lag", [0.05, None])
-def test_transition_against_finite_differences(lag: float | None) -> None:
+@pytest.mark.parametrize("lag", [0.05, UNCOMMANDED])
+def test_transition_against_finite_differences(lag: float) -> None:
     sent, model, dt = history(), MotionModel(lag=lag), 1 / 30
     start = np.array([0.2, -0.1, 0.8, 0.5, 1.2, 1.1, 0.9])
 
@@ -107,8 +107,8 @@ def test_transition_against_finite_differences(lag: float | None) -> None:
     np.testing.assert_allclose(exact, numeric, atol=1e-4)
 
 
-@pytest.mark.parametrize("lag", [0.05, None])
-def test_process_noise_is_additive_over_pieces_and_positive(lag: float | None) -> None:
+@pytest.mark.parametrize("lag", [0.05, UNCOMMANDED])
+def test_process_noise_is_additive_over_pieces_and_positive(lag: float) -> None:
     model = MotionModel(lag=lag, gain_drift=0.0)
     straight = UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0)
     whole, step = process_noise(straight, straight, 0.03, model), np.zeros((7, 7))

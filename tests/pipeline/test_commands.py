@@ -2,6 +2,7 @@
 
 import json
 import os
+import signal
 import struct
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.pipeline.commands import ROOT, echelon
+from tests.pipeline.commands import ECHELON, ROOT, echelon
 
 REAL = Path(os.environ.get("ECHELON_REAL_FRAMES", "../shared/real"))
 KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "min_clearance_m",
@@ -38,7 +39,9 @@ KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "mi
         (("replay", "none.mp4"), 2, "none.mp4"),
         (("report", "none.mcap", "--out", "x"), 2, "none.mcap"),
         (("locate", "none.png"), 2, "none.png"),
-        (("simulate", "paper"), 2, "not in this version"),
+        (("simulate", "nosuch"), 2, 'no scenario "nosuch"'),
+        (("simulate", "--sweep", "sensor.blur_px=1,2"), 2, "sensor.blur_px"),
+        (("simulate", "--runs", "2", "--trajectory", "t.csv"), 2, "--trajectory is of one run"),
         (("calibrate", "robots"), 2, "not in this version"),
         (("cameras",), 2, "not in this version"),
     ],
@@ -50,6 +53,42 @@ def test_wrong_use_is_one_clear_line(arguments: tuple[str, ...], status: int, sa
     assert "Traceback" not in done.stderr
     if "No such option" not in said:
         assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_simulate_answers_as_live_does(tmp_path: Path) -> None:
+    csv = tmp_path / "t.csv"
+    done = echelon("simulate", "--duration", 1, "--seed", 3, "--trajectory", csv, "--json")
+    result = json.loads(done.stdout)
+    assert result.keys() >= KEYS
+    assert result["truth"] is True
+    assert result["vision"] is result["latency_ms"] is None
+    assert set(result["followers"]) == {"2", "3"}
+    assert csv.read_text().count("\n") == 1 + 100
+
+
+def test_sweeps_answer_with_their_points() -> None:
+    sweeps = ("--sweep", "camera.fps=15,30", "--sweep", "robots.*.lag_s=0.04,0.06")
+    done = echelon("simulate", "--runs", 2, "--duration", 1, *sweeps, "--json")
+    points = json.loads(done.stdout)["points"]
+    assert [tuple(point["swept"].values()) for point in points] == [
+        ("15", "0.04"), ("15", "0.06"), ("30", "0.04"), ("30", "0.06"),
+    ]  # fmt: skip
+    for point in points:
+        assert point["runs"] == 2
+        spread = point["worst_follower"]["distance_rms_m"]
+        assert 0.0 < spread["mean"] <= spread["worst"]
+    table = echelon("simulate", "--runs", 2, "--duration", 1, *sweeps).stdout
+    assert "distance rms mm" in table
+    assert table.count("\n") >= 4 + len(points)
+
+
+def test_ctrl_c_ends_a_simulation_with_130() -> None:
+    command = [*ECHELON, "simulate", "--runs", "1000000"]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE) as running:
+        with pytest.raises(subprocess.TimeoutExpired):
+            running.wait(timeout=8.0)
+        running.send_signal(signal.SIGINT)
+        assert running.wait(timeout=20.0) == 130
 
 
 def test_live_answers_with_one_json_object(tmp_path: Path) -> None:

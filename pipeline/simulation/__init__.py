@@ -1,0 +1,1 @@
+"""`echelon simulate`: a scenario as tables, what chance decides, many runs, their figures."""
