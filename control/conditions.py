@@ -87,7 +87,7 @@ def conditions(
     channel's control, at most mu, does to this one; the paper leaves that out. First order: lambda
     of (20) is computed at every sample, so that its margin eta alone must cover what the law is not
     told. Super-twisting: k1 = 1.5 Lip^(1/2), k2 = 1.1 Lip for k2 delta > Lip' and
-    k1 delta > (k2 delta + Lip')^(1/2) (Seeber and Horn 2017).
+    k1 delta > (k2 delta + Lip')^(1/2) (Seeber and Horn 2017), as if the gain were constant.
 
     Args:
         gains: law and gains.

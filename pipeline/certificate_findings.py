@@ -6,10 +6,23 @@ from math import degrees, inf
 from control.conditions import Needs
 from control.gains import Certificate, Verdict
 from control.laws import Law, is_first_order
-from pipeline.certificates import Certificates, Certified, make_certificates, start_states
+from pipeline.certificates import (
+    LONGEST,
+    STEP,
+    Certificates,
+    Certified,
+    make_certificates,
+    start_states,
+)
 from pipeline.config import Scenario
 from pipeline.finding import Finding
 from pipeline.setup import Setup
+
+BASIS = (
+    f"rho, delta and conditions are proved every {1e3 * STEP:g} ms of the plan's first "
+    f"{LONGEST:g} s, for a leader on its plan and ideal sliding: no sampling, lag, limits or "
+    "safety filter; pace and spacing are searched; what is not guaranteed may still go well"
+)
 
 
 def certificate_findings(made: Certificates, setup: Setup) -> Iterator[Finding]:
@@ -23,12 +36,14 @@ def certificate_findings(made: Certificates, setup: Setup) -> Iterator[Finding]:
         setup: gains and formation.
 
     Yields:
-        Up to four findings a follower, and one for a plan whose velocities jump.
+        Up to four findings a follower, one for a plan whose velocities jump, and what they rest on.
     """
     for certified in made.pairs:
         yield from _of_pair(certified, setup, " between the plan's jumps" * bool(made.jumps.size))
     if made.jumps.size:
         yield _jumps(made)
+    if any(certified.certificate for certified in made.pairs):
+        yield Finding("certificates", True, BASIS)
 
 
 def broken_gains(scenario: Scenario, setup: Setup) -> tuple[str, ...]:

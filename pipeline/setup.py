@@ -106,6 +106,24 @@ class Setup:
 
 
 def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
+    """Build all that is constant in a run, and load what its first cycle must not wait for.
+
+    Args:
+        scenario: checked scenario.
+        seeing: of a scenario with the same camera, tags and colours, where there is one.
+
+    Returns:
+        The setup.
+
+    Raises:
+        ConfigError: as `build_setup`.
+    """
+    load_filter()
+    rehearse_clearing()
+    return build_setup(scenario, seeing)
+
+
+def build_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run.
 
     Args:
@@ -119,8 +137,6 @@ def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
         ConfigError: if the formation, the path, the tags or the camera are inconsistent, or a
             section that driving needs is missing.
     """
-    load_filter()
-    rehearse_clearing()
     formation, leader = _course(scenario)
     try:
         return _setup(scenario, seeing or make_seeing(scenario), formation, leader)

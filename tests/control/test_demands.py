@@ -10,8 +10,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from control.course import PairCourse
-from control.demands import ON_COURSE, Reach, demands, push_length
+from control.course import IdealFollower, Motion, PairCourse
+from control.demands import ON_COURSE, Reach, demands, disturbance_rate, push_length
 from control.geometry import wrap_angle
 from control.relative import (
     RelativeState,
@@ -199,3 +199,18 @@ def test_where_the_leader_may_be_reached_there_is_no_bound(
     found = demands(course, ((to_leader, 0.1), reach[1]), GAINS, D, leader_known=False)
     assert np.isinf(found.exact).all()
     assert np.isfinite(demands(course, ON_COURSE, GAINS, D, leader_known=False).exact).all()
+
+
+def test_the_rate_of_a_disturbance_is_that_of_a_turning_force() -> None:
+    # u = (1, 0) turning at 2 rad/s: G Delta u turns with it, at 2 E; l grows by 0.4 of itself a
+    # second, which counts once more; a leader's acceleration that grows by 0.3 m/s^3 adds that
+    times = np.arange(0.0, 1.0, 0.001)
+    nothing, wanted = np.zeros((3, 2, 1000)), np.zeros((3, 2, 1000))
+    wanted[0] = 0.5 * np.exp(0.4 * times), np.full(1000, pi)
+    growing = np.stack((0.3 * times, 0.0 * times))
+    course = PairCourse(times, Motion(np.zeros((2, 1000)), growing), wanted, nothing)
+    force = np.stack((np.ones(1000), np.zeros(1000)))
+    ideal = IdealFollower(Motion(np.zeros((2, 1000)), force), 2.0 * times)
+    for told, by_leader in ((False, 0.3), (True, 0.3 * 0.2)):
+        rate = disturbance_rate(course, ideal, D, 0.2, told)
+        assert rate == pytest.approx(0.2 * (2.0 + 0.4) + by_leader, rel=1e-6)
