@@ -57,6 +57,19 @@ def is_first_order(law: Law) -> bool:
     return law >= Law.FIRST_ORDER_SIGN
 
 
+@compilable
+def remembers(law: Law) -> bool:
+    """Whether a law's own memory takes it for granted that its v was applied.
+
+    Args:
+        law: a follower's law.
+
+    Returns:
+        True for those that switch by the course of s, or integrate its sign.
+    """
+    return law == Law.SAMPLED_TWISTING or law == Law.SUBOPTIMAL or law == Law.SUPER_TWISTING
+
+
 def law_named(name: str) -> Law:
     """Find a law by its name.
 

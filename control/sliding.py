@@ -11,10 +11,10 @@ from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
 from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
 from control.compilable import compilable
 from control.errors import ControlError
-from control.laws import Law, is_first_order
+from control.laws import Law, is_first_order, remembers
 from control.output import FollowerOutput, WantedOutput, output_error
 from control.reaching import ReachingGains, reach, reaching_strength, super_twist
-from control.relative import Matrix2, Vector2, apply
+from control.relative import Vector2, apply
 from control.twisting import TwistingGains, twist
 from control.unicycle import Twist
 from control.value import value
@@ -206,20 +206,25 @@ def follow(
 
 @compilable
 def overruled(
-    memory: FollowerMemory, input_matrix: Matrix2, acceleration: Vector2
+    memory: FollowerMemory, sample: FollowerSample, acceleration: Vector2, gains: SlidingGains
 ) -> FollowerMemory:
     """The memory of a law whose command was replaced by another one.
 
     Args:
-        memory: of the step.
-        input_matrix: G of the step's output.
+        memory: after the step.
+        sample: of the step, with the velocities of the leaders.
         acceleration: what the other command gives [m/s^2, rad/s^2].
+        gains: of the step.
 
     Returns:
-        The memory with the v that is really applied (27), so that nothing winds up.
+        The memory with the v that is really applied (27), so that nothing winds up; laws whose own
+        memory knows nothing of v begin afresh, with s = 0.
     """
-    a, b = memory.acceleration
-    g1, g2 = apply(input_matrix, (acceleration[0] - a, acceleration[1] - b))
+    o, (a, b) = sample.output, memory.acceleration
+    if remembers(gains.law):
+        m = begin(o, sample.wanted, o.rate, gains)
+        return FollowerMemory(m.distance, m.bearing, acceleration, True)
+    g1, g2 = apply(o.input_matrix, (acceleration[0] - a, acceleration[1] - b))
     one, two = memory.distance, memory.bearing
     return FollowerMemory(
         _applied(one, one.applied - g1, one.own),

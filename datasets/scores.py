@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from control.formation import Pair
 from control.geometry import Pose2D, wrap_angle
-from control.plan import PlannedPath
+from control.plan import Plan
 from control.relative import relative_state
 from datasets.bodies import pair_gaps
 
@@ -168,7 +168,7 @@ def settled_at(mission: Floats, shares: Floats, changes: Sequence[float]) -> flo
     return float(mission[first[start]]) if start < len(first) else None
 
 
-def leader_score(motions: Motions, leader: RobotId, path: PlannedPath) -> LeaderScore:
+def leader_score(motions: Motions, leader: RobotId, path: Plan) -> LeaderScore:
     """Compare the leader with its plan.
 
     Args:

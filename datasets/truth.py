@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.formation import Formation, by_follower
-from control.plan import PlannedPath
+from control.plan import Plan
 from datasets.cycle import Moment, RobotState, SafetyEvent
 from datasets.scores import (
     FollowerScore,
@@ -108,7 +108,7 @@ class Scores:
         self,
         formation: Formation,
         camera_offset: float,
-        path: PlannedPath,
+        path: Plan,
         camera: CameraModel,
         side: float,
     ) -> None:

@@ -8,12 +8,12 @@ from typing import TypeAlias
 import numpy as np
 
 from control.command import RobotId
-from control.formation import by_follower
 from control.geometry import Pose2D, wrap_angle
 from control.laws import Law
-from control.placement import wanted_pose
-from control.unicycle import UnicycleState
+from pipeline.certificate_findings import certificate_findings
+from pipeline.certificates import make_certificates, start_states
 from pipeline.config import Scenario
+from pipeline.course import wanted_places
 from pipeline.errors import ConfigError
 from pipeline.finding import Finding
 from pipeline.seeing import Seeing, make_seeing, named_colors
@@ -46,6 +46,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
     return (
         _formation(setup),
         *_gains(scenario, setup),
+        *certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup),
         *_plan(scenario, setup),
         *_seeing(scenario, setup.seeing),
         _radio(scenario),
@@ -138,16 +139,8 @@ def _wanted_course(setup: Setup) -> list[Places]:
 
 def _wanted_places(setup: Setup, t: float, before: Places) -> Places:
     """Every robot where the plan wants it, followers heading as their leaders do."""
-    lead: UnicycleState = setup.path.at(t).state
-    places = {setup.formation.root: lead.pose}
-    d = setup.follower.camera_offset
-    for robot, pairs in by_follower(setup.formation.pairs).items():
-        leaders = [places[pair.leader] for pair in pairs]
-        heading = places[pairs[0].leader].theta
-        near = before.get(robot, leaders[0])
-        references = [pair.shape.at(t) for pair in pairs]
-        places[robot] = wanted_pose(leaders, references, Pose2D(near.x, near.y, heading), d)
-    return places
+    offset, lead = setup.follower.camera_offset, setup.path.at(t).state.pose
+    return wanted_places(setup.formation, lead, t, before, offset)
 
 
 def _farthest_outside(setup: Setup, wanted: list[Places]) -> float:

@@ -8,9 +8,10 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, field_validator, model_validator
 
 from control.errors import ControlError
-from control.laws import law_named, leader_law_named
+from control.laws import law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
+from pipeline.leader_config import LeaderConfig, ObstacleConfig, StartConfig
 from pipeline.palette_config import PaletteConfig
 from pipeline.section import (
     Colour,
@@ -38,15 +39,6 @@ def _known_law(name: str) -> str:
     return name
 
 
-def _known_leader_law(name: str) -> str:
-    try:
-        leader_law_named(name)
-    except ControlError as error:
-        raise ValueError(str(error)) from None
-    return name
-
-
-LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
 LawName = Annotated[str, AfterValidator(_known_law)]
 
 
@@ -93,16 +85,6 @@ class TagsConfig(Section):
     look_alikes: bool = False
 
 
-class StartConfig(Section):
-    """Where a simulated robot stands at t = 0, and how it moves then."""
-
-    x_m: Finite
-    y_m: Finite
-    theta_deg: Finite = 0.0
-    v_mps: Finite = 0.0
-    omega_radps: Finite = 0.0
-
-
 class RobotConfig(Section):
     """One robot: its tag, its drive, and the errors of its model that only the world knows."""
 
@@ -117,35 +99,6 @@ class RobotConfig(Section):
     inertia_error: SignedFraction = 0.0
     disturbance_mps2: NonNegative = 0.0
     turn_disturbance_radps2: NonNegative = 0.0
-
-
-class SegmentConfig(Section):
-    """A piece of the leader's path: a straight line, or an arc (left is positive)."""
-
-    straight_m: Positive | None = None
-    radius_m: Positive | None = None
-    turn_deg: Finite | None = None
-
-    @model_validator(mode="after")
-    def _line_or_arc(self) -> Self:
-        arc = (self.radius_m is not None, self.turn_deg is not None)
-        if (self.straight_m is None) == (not all(arc)) or (self.straight_m and any(arc)):
-            raise ValueError("give either straight_m, or radius_m and turn_deg")
-        return self
-
-
-class LeaderConfig(Section):
-    """The planned path of the formation's leader and its tracking law."""
-
-    start: StartConfig
-    speed_mps: Positive = 0.5
-    ramp_s: Positive = 1.0
-    segments: tuple[SegmentConfig, ...] = Field(min_length=1)
-    proportional: Positive = 8.0
-    integral: Positive = 16.0
-    reaching_mps2: Positive = 3.0
-    point_offset_m: Positive = 0.1
-    law: LeaderLawName = "sliding"
 
 
 class ControlConfig(Section):
@@ -250,6 +203,7 @@ class Scenario(Section):
     robots: tuple[RobotConfig, ...] = Field(min_length=1)
     formation: FormationConfig | None = None
     leader: LeaderConfig | None = None
+    obstacles: tuple[ObstacleConfig, ...] = ()
     control: ControlConfig = ControlConfig()
     estimation: EstimationConfig = EstimationConfig()
     startup: StartUpConfig = StartUpConfig()
@@ -272,4 +226,6 @@ class Scenario(Section):
         for robot in self.formation.robots if self.formation else ():
             if robot not in known:
                 raise ValueError(f"formation names robot {robot}, which is not among the robots")
+        if self.obstacles and not (self.leader and self.leader.goal):
+            raise ValueError("obstacles are for a leader with a goal; segments do not mind them")
         return self

@@ -11,8 +11,10 @@ class Finding:
         topic: short name.
         holds: whether it is as it should be.
         detail: the numbers, and the remedy where it does not hold.
+        binding: whether a check fails without it; else it is told as not guaranteed.
     """
 
     topic: str
     holds: bool
     detail: str
+    binding: bool = True

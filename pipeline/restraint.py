@@ -11,7 +11,6 @@ import numpy as np
 
 from control.command import RobotId
 from control.formation import by_follower
-from control.output import follower_output
 from control.relative import Vector2
 from control.sliding import overruled
 from control.unicycle import Twist, UnicycleState
@@ -19,7 +18,7 @@ from datasets.cycle import SafetyEvent
 from pipeline.clearing import keep_apart
 from pipeline.memory import Laws, Track
 from pipeline.setup import Setup
-from pipeline.steering import UNKNOWN, Aim
+from pipeline.steering import NOTHING_TOLD, Aim, follower_sample
 
 FOLLOWER_FREEDOM, LEADER_FREEDOM = 1.0, 0.25  # the leader gives way less: all follow it
 CALM = 0.5  # after which a robot that was kept off others counts as left alone [s]
@@ -50,7 +49,7 @@ def restrain(
     given = _apart(setup, allowed, aim.shares, tracks, dt)
     for robot in wanted:
         if given[robot] != wanted[robot]:
-            laws = _told(setup, laws, aim, robot, given[robot], tracks[robot], dt)
+            laws = _told(setup, laws, aim, robot, given[robot], tracks, dt)
     moved = [robot for robot in given if given[robot] != allowed[robot]]
     kept = {robot: last for robot, last in laws.kept.items() if t - last < CALM}
     states = {robot: track.ahead for robot, track in tracks.items()}
@@ -132,18 +131,16 @@ def _freedom(setup: Setup, robot: RobotId, shares: Mapping[RobotId, float]) -> f
 
 
 def _told(
-    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, given: Twist, track: Track, dt: float
+    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, given: Twist, tracks: Tracks, dt: float
 ) -> Laws:
     """The laws after a robot's twist was replaced."""
-    gain = track.estimate.gain
-    u = setup.follower.actuation.acceleration(track.ahead.twist, given, dt, gain)
+    track = tracks[robot]
+    u = setup.follower.actuation.acceleration(track.ahead.twist, given, dt, track.estimate.gain)
     if robot == setup.formation.root:
         return replace(laws, leader=laws.leader and replace(laws.leader, acceleration=u))
     memory = laws.followers.get(robot)
     if memory is None:
         return laws
-    pairs = by_follower(aim.pairs)[robot]
-    relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
-    output = follower_output(relatives, track.ahead.twist, [UNKNOWN] * len(pairs), d)
-    followers = {**laws.followers, robot: overruled(memory, output.input_matrix, u)}
+    sample = follower_sample(setup, by_follower(aim.pairs)[robot], tracks, NOTHING_TOLD)
+    followers = {**laws.followers, robot: overruled(memory, sample, u, setup.gains[robot])}
     return replace(laws, followers=followers)

@@ -11,9 +11,10 @@ from pipeline.cameras.device import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
-from pipeline.config import RobotConfig, Scenario, StartConfig
+from pipeline.config import RobotConfig, Scenario
 from pipeline.errors import ConfigError
 from pipeline.filming import make_delivery, make_renderer
+from pipeline.leader_config import StartConfig
 from pipeline.live import Rig
 from pipeline.ports import Clock, CommandSink
 from pipeline.radios.miabot import MiabotSettings

@@ -17,7 +17,8 @@ from control.geometry import Pose2D
 from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
 from control.motion_model import UNCOMMANDED
-from control.plan import PathSegment, PlannedPath
+from control.obstacles import Obstacle
+from control.plan import Plan
 from control.reaching import ReachingGains
 from control.safety import Arena, Clearance
 from control.sliding import FollowerModel, SlidingGains
@@ -25,15 +26,12 @@ from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.clearing import rehearse_clearing
-from pipeline.config import (
-    ControlConfig,
-    LeaderConfig,
-    Scenario,
-    SegmentConfig,
-)
+from pipeline.config import ControlConfig, Scenario
+from pipeline.course import make_path, obstacles_of
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.guard import SafetyRules
+from pipeline.leader_config import LeaderConfig
 from pipeline.seeing import Seeing, make_seeing
 from pipeline.shaping import make_formation, starts_of
 from vision.camera import CameraModel
@@ -53,6 +51,7 @@ class Setup:
         seeing: finds the robots.
         formation: who follows whom, in which shape.
         path: the leader's plan.
+        obstacles: that it drives round, where they are at the mission's start.
         gains: law and gains by follower.
         follower: a follower's geometry and motors.
         leader_gains: of the leader's law.
@@ -76,7 +75,8 @@ class Setup:
     name: str
     seeing: Seeing
     formation: Formation
-    path: PlannedPath
+    path: Plan
+    obstacles: tuple[Obstacle, ...]
     gains: Mapping[RobotId, SlidingGains]
     follower: FollowerModel
     leader_gains: LeaderGains
@@ -167,14 +167,17 @@ def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
 def _setup(
     scenario: Scenario, seeing: Seeing, formation: FormationConfig, leader: LeaderConfig
 ) -> Setup:
-    period = scenario.control.command_period_s
+    period, side = scenario.control.command_period_s, seeing.tags.tags[0].side
+    pairs = make_formation(scenario, formation)
+    arena = Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena()
     resting = scenario.startup.initial_rates == "rest"
     doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
     return Setup(
         name=scenario.name,
         seeing=seeing,
-        formation=make_formation(scenario, formation),
-        path=_path(leader),
+        formation=pairs,
+        path=make_path(scenario, leader, pairs, arena, side),
+        obstacles=obstacles_of(scenario),
         gains=_gains(scenario, period),
         follower=_follower(scenario),
         leader_gains=_leader_gains(leader),
@@ -184,7 +187,7 @@ def _setup(
         pose_noise=_pose_noise(scenario),
         rules=_rules(scenario),
         clearance=_clearance(scenario, seeing.tags.tags[0].side),
-        arena=Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena(),
+        arena=arena,
         period=period,
         radio_delay=scenario.radio.delay_s,
         command_validity=max(2.0 * period, 0.1),
@@ -258,16 +261,3 @@ def _clearance(scenario: Scenario, side: float) -> Clearance | None:
     if s.clearance_m == 0.0:
         return None
     return Clearance(s.clearance_m + RESERVE, s.approach_rate_per_s, half_side=0.5 * side)
-
-
-def _path(config: LeaderConfig) -> PlannedPath:
-    start = Pose2D(config.start.x_m, config.start.y_m, radians(config.start.theta_deg))
-    segments = tuple(_segment(segment) for segment in config.segments)
-    return PlannedPath(start, segments, config.speed_mps, config.start.v_mps, config.ramp_s)
-
-
-def _segment(config: SegmentConfig) -> PathSegment:
-    if config.straight_m is not None:
-        return PathSegment(config.straight_m)
-    radius, turn = config.radius_m or 0.0, radians(config.turn_deg or 0.0)
-    return PathSegment(radius * abs(turn), (1.0 if turn > 0 else -1.0) / radius)

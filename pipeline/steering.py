@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from control.command import Command, RobotId
 from control.formation import Pair, by_follower
@@ -17,7 +18,7 @@ from pipeline.setup import Setup
 
 STANDSTILL = Twist(0.0, 0.0)
 AT_REST: Vector2 = (0.0, 0.0)
-UNKNOWN = LeaderMotion(STANDSTILL, AT_REST)
+NOTHING_TOLD: Mapping[RobotId, Vector2] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,16 +78,42 @@ def steer(
     twists, given = {root: twist}, {root: leader.acceleration if leader else AT_REST}
     followers: dict[RobotId, FollowerMemory] = {}
     for robot, pairs in by_follower(aim.pairs).items():
-        known = [given[p.leader] if setup.leader_commands_known else AT_REST for p in pairs]
-        motions = [
-            LeaderMotion(tracks[p.leader].ahead.twist, acceleration)
-            for p, acceleration in zip(pairs, known, strict=True)
-        ]
-        memory, twists[robot] = _follow(setup, laws, aim, pairs, tracks[robot], motions, dt)
+        sample = follower_sample(
+            setup, pairs, tracks, given if setup.leader_commands_known else NOTHING_TOLD
+        )
+        memory, twists[robot] = _follow(setup, laws, aim, robot, sample, dt)
         given[robot] = memory.acceleration if memory else AT_REST
         if memory is not None:
             followers[robot] = memory
     return Laws(leader, followers, laws.kept), twists
+
+
+def follower_sample(
+    setup: Setup,
+    pairs: Sequence[PairState],
+    tracks: Mapping[RobotId, Track],
+    told: Mapping[RobotId, Vector2],
+) -> FollowerSample:
+    """What a follower's law sees.
+
+    Args:
+        setup: camera offset.
+        pairs: of one follower.
+        tracks: rolled to the moment the commands take effect.
+        told: accelerations that leaders are commanded, where followers know them [m/s^2, rad/s^2].
+
+    Returns:
+        The sample.
+    """
+    track, d = tracks[pairs[0].follower], setup.follower.camera_offset
+    leaders = [
+        LeaderMotion(tracks[pair.leader].ahead.twist, told.get(pair.leader, AT_REST))
+        for pair in pairs
+    ]
+    own = track.ahead.twist
+    output = follower_output([pair.relative for pair in pairs], own, leaders, d)
+    wanted = wanted_output([pair.reference for pair in pairs])
+    return FollowerSample(output, wanted, own, track.estimate.gain)
 
 
 def commands_of(
@@ -129,24 +156,12 @@ def _lead(
 
 
 def _follow(
-    setup: Setup,
-    laws: Laws,
-    aim: Aim,
-    pairs: Sequence[PairState],
-    track: Track,
-    leaders: Sequence[LeaderMotion],
-    dt: float,
+    setup: Setup, laws: Laws, aim: Aim, robot: RobotId, sample: FollowerSample, dt: float
 ) -> tuple[FollowerMemory | None, Twist]:
     """A follower's sample, from a memory that begins when there is none."""
-    robot = pairs[0].follower
     if aim.shares[robot] == 0.0:
         return None, STANDSTILL
-    own, gains = track.ahead.twist, setup.gains[robot]
-    relatives, d = [pair.relative for pair in pairs], setup.follower.camera_offset
-    output = follower_output(relatives, own, leaders, d)
-    wanted = wanted_output([pair.reference for pair in pairs])
-    memory = laws.followers.get(robot)
+    gains, memory = setup.gains[robot], laws.followers.get(robot)
     if memory is None:
-        memory = begin(output, wanted, aim.rates.get(robot, AT_REST), gains)
-    sample = FollowerSample(output, wanted, own, track.estimate.gain)
+        memory = begin(sample.output, sample.wanted, aim.rates.get(robot, AT_REST), gains)
     return follower_step(memory, sample, dt, gains, setup.follower)

@@ -47,7 +47,9 @@ def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, r
             share, mission = chance.share[run, tick], chance.mission[run, tick]
             if share > 0.0:
                 steer(laws, filters, host, field, mission, rates, sent[tick])
-                restrain(laws, filters, host, field, share, sent[tick], trace.kept[run, tick])
+                restrain(
+                    laws, filters, host, field, mission, share, sent[tick], trace.kept[run, tick]
+                )
             else:  # all stand, and their laws begin anew
                 sent[tick], laws.begun[0] = 0.0, False
             rates = np.zeros_like(rates)  # it was measured before the start alone

@@ -84,14 +84,11 @@ def steer(
     laws.given[0] = laws.leader[0].acceleration
     commands[0, 0], commands[0, 1] = twist.v, twist.omega
     for robot in range(1, len(commands)):
-        own, kind, w = ahead[robot].twist, laws.gains[robot], field.wanted[mission, robot]
-        one, two, told = field.leaders[robot, 0], field.leaders[robot, 1], field.told[robot]
-        output = output_of(ahead, laws.given, robot, one, two, told, host.follower.camera_offset)
-        wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
-        memory = laws.followers[robot]
+        kind, memory = laws.gains[robot], laws.followers[robot]
+        sample = sample_of(laws, filters, host, field, mission, robot, field.told[robot])
         if not begun:
-            memory = begin(output, wanted, (rates[robot, 0], rates[robot, 1]), kind)
-        sample = FollowerSample(output, wanted, own, gains[robot])
+            rate = rates[robot, 0], rates[robot, 1]
+            memory = begin(sample.output, sample.wanted, rate, kind)
         memory, twist = follow(memory, sample, dt, kind, host.follower)
         laws.followers[robot], laws.given[robot] = memory, memory.acceleration
         commands[robot, 0], commands[robot, 1] = twist.v, twist.omega
@@ -99,24 +96,36 @@ def steer(
 
 
 @compilable
-def output_of(
+def sample_of(
+    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, robot: int, told: bool
+) -> FollowerSample:
+    """What a follower's law sees.
+
+    Args:
+        laws: with the accelerations that all robots are commanded.
+        filters: states at the moment the commands take effect.
+        host: camera offset.
+        field: references and who follows whom.
+        mission: tick of the mission.
+        robot: number of the follower.
+        told: whether it knows what its leaders are commanded.
+
+    Returns:
+        The sample.
+    """
+    ahead, w = filters.ahead, field.wanted[mission, robot]
+    one, two = field.leaders[robot, 0], field.leaders[robot, 1]
+    output = _output(ahead, laws.given, robot, one, two, told, host.follower.camera_offset)
+    wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
+    return FollowerSample(output, wanted, ahead[robot].twist, filters.gains[robot])
+
+
+@compilable
+def _output(
     ahead: list[UnicycleState], given: list[Vector2], robot: int, one: int, two: int, told: bool,
     d: float,
 ) -> FollowerOutput:  # fmt: skip
-    """A follower's output, from what is believed and known of its leaders.
-
-    Args:
-        ahead: states of all robots when the commands take effect.
-        given: accelerations that they are commanded [m/s^2, rad/s^2].
-        robot: number of the follower.
-        one: number of its leader.
-        two: number of its second leader, -1 without one.
-        told: whether it knows what its leaders are commanded.
-        d: its camera offset [m].
-
-    Returns:
-        The output.
-    """
+    """From what is believed and known of its leaders; `two` is -1 without a second one."""
     own, state, rest = ahead[robot], ahead[one], (0.0, 0.0)
     relative = relative_state(state.pose, own.pose, d)
     motion = LeaderMotion(state.twist, given[one] if told else rest)

@@ -13,13 +13,13 @@ from control.sliding import overruled
 from control.unicycle import Twist
 from datasets.simulation.filters import Filters
 from datasets.simulation.inputs import Field, Floats, Host
-from datasets.simulation.laws import Laws, output_of
+from datasets.simulation.laws import Laws, sample_of
 
 
 @compilable
 def restrain(
-    laws: Laws, filters: Filters, host: Host, field: Field, share: float, commands: Floats,
-    kept: NDArray[np.bool_],
+    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, share: float,
+    commands: Floats, kept: NDArray[np.bool_],
 ) -> None:  # fmt: skip
     """Turn what the laws want into what may be sent.
 
@@ -27,7 +27,8 @@ def restrain(
         laws: told of what is given instead.
         filters: states at the moment the commands take effect.
         host: motors, clearance and arena.
-        field: who gives way.
+        field: who gives way, and references.
+        mission: tick of the mission.
         share: of its speed that every robot may drive.
         commands: (R, 2) v and omega, replaced where they may not be [m/s, rad/s].
         kept: (R,) filled: who is kept off others.
@@ -38,7 +39,7 @@ def restrain(
     for robot in range(len(commands)):
         given = Twist(commands[robot, 0], commands[robot, 1])
         if given.v != wanted[robot, 0] or given.omega != wanted[robot, 1]:
-            _tell(laws, filters, host, field, robot, given)
+            _tell(laws, filters, host, field, mission, robot, given)
 
 
 @compilable
@@ -70,15 +71,16 @@ def _keep_apart(
 
 
 @compilable
-def _tell(laws: Laws, filters: Filters, host: Host, field: Field, robot: int, given: Twist) -> None:
+def _tell(
+    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, robot: int, given: Twist
+) -> None:
     """Let a law know what its robot gets, so that nothing winds up."""
-    own, d = filters.ahead[robot].twist, host.follower.camera_offset
+    own = filters.ahead[robot].twist
     u = host.follower.actuation.acceleration(own, given, host.period, filters.gains[robot])
     if robot == 0:
         m = laws.leader[0]
         laws.leader[0] = LeaderMemory(m.error, m.integral, m.sliding, u, m.fresh)
     else:
-        one, two = field.leaders[robot, 0], field.leaders[robot, 1]
-        g = output_of(filters.ahead, laws.given, robot, one, two, False, d).input_matrix
-        laws.followers[robot] = overruled(laws.followers[robot], g, u)
+        sample = sample_of(laws, filters, host, field, mission, robot, False)
+        laws.followers[robot] = overruled(laws.followers[robot], sample, u, laws.gains[robot])
     laws.given[robot] = u

@@ -60,12 +60,15 @@ class Output:
             findings: in reading order.
         """
         if self.as_json:
-            rows = [{"topic": f.topic, "holds": f.holds, "detail": f.detail} for f in findings]
+            rows = [
+                {"topic": f.topic, "holds": f.holds, "binding": f.binding, "detail": f.detail}
+                for f in findings
+            ]
             self.object({"scenario": scenario, "findings": rows})
             return
         for finding in findings:
-            mark = "ok    " if finding.holds else "FAILS "
-            self.say(f"{mark} {finding.topic}: {finding.detail}")
+            mark = "ok" if finding.holds else "FAILS" if finding.binding else "open"
+            self.say(f"{mark:6} {finding.topic}: {finding.detail}")
 
     def table(self, title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """Print a table with aligned columns.

@@ -13,6 +13,7 @@ import typer
 from datasets.recorded import SessionHeader, SessionWriter, software_versions
 from pipeline.accounts import account
 from pipeline.camera_model import require_floor
+from pipeline.certificate_findings import broken_gains
 from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
@@ -99,6 +100,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)
         setup = make_setup(scenario)
+        for line in broken_gains(scenario, setup):
+            output.say(f"warning: {line}")
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None
         with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:

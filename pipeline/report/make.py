@@ -1,18 +1,19 @@
 """A session in, a folder with figures and one self-contained page out."""
 
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from datasets.errors import RecordingError
 from datasets.recorded import read_session
+from pipeline.certificates import make_certificates
 from pipeline.report.extras import latencies, seen_picture
 from pipeline.report.figures import angular_velocities, linear_velocities, tracking_errors
 from pipeline.report.floor import trajectories
 from pipeline.report.marks import Marks, marks_of
+from pipeline.report.omega import CAPTION, omega_sets, run_errors, run_starts
 from pipeline.report.page import Chapter, Summary, page
 from pipeline.report.series import Collector, Series
-from pipeline.report.style import house_style
+from pipeline.report.style import house_style, png_of
 from pipeline.setup import Setup, make_scores
 
 if TYPE_CHECKING:
@@ -82,8 +83,15 @@ def _chapters(series: Series, setup: Setup, marks: Marks) -> tuple[Chapter, ...]
             "Per frame: finding the robots, hand-over to command, capture to the wheels' reaction.",
             latencies(series),
         ),
+        _chapter("omega", "Omega, Lambda and the run", CAPTION, _omega(series, setup)),
         Chapter("camera", "What the camera saw", _seen(series), seen_picture(series, setup)),
     )
+
+
+def _omega(series: Series, setup: Setup) -> "Figure":
+    """From the start that the run really had."""
+    made = make_certificates(setup, run_starts(series))
+    return omega_sets(made, setup, run_errors(series, setup))
 
 
 def _seen(series: Series) -> str:
@@ -95,10 +103,7 @@ def _seen(series: Series) -> str:
 
 
 def _chapter(stem: str, title: str, caption: str, figure: "Figure") -> Chapter:
-    data = BytesIO()
-    # Without the library's version in the file, the same session gives the same bytes.
-    figure.savefig(data, format="png", metadata={"Software": None})
-    return Chapter(stem, title, caption, data.getvalue())
+    return Chapter(stem, title, caption, png_of(figure))
 
 
 def _write(out: Path, chapters: tuple[Chapter, ...], summary: Summary) -> Path:

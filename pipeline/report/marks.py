@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from control.command import RobotId
-from control.plan import PlannedPath
+from control.plan import Plan, PlannedPath
 from pipeline.report.series import Floats, Series
 from pipeline.setup import Setup
 from pipeline.viewers.stage import name_of
@@ -85,7 +85,7 @@ def marks_of(setup: Setup, settled: Iterable[float | None], until: float) -> Mar
     )
 
 
-def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:
+def turns(path: Plan, duration: float) -> tuple[Mark, ...]:
     """Turns the leader has planned.
 
     Args:
@@ -93,8 +93,10 @@ def turns(path: PlannedPath, duration: float) -> tuple[Mark, ...]:
         duration: of the mission [s].
 
     Returns:
-        Spans in which the plan turns, with radius and angle.
+        Spans in which the plan turns, with radius and angle; none unless it is made of arcs.
     """
+    if not isinstance(path, PlannedPath):
+        return ()
     times = np.arange(0.0, duration, _STEP).tolist()
     states = [path.at(t).state for t in times]
     found = []

@@ -1,6 +1,7 @@
 """How all figures look: one palette, safe for colour-blind readers, and few lines."""
 
 from contextlib import AbstractContextManager
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,6 +76,20 @@ def new_figure(height: float, rows: int = 1, columns: int = 1) -> "tuple[Figure,
     FigureCanvasAgg(figure)
     axes = figure.subplots(rows, columns, sharex="col", sharey="row", squeeze=False)
     return figure, list(np.ravel(axes))
+
+
+def png_of(figure: "Figure") -> bytes:
+    """A figure as a file.
+
+    Args:
+        figure: finished.
+
+    Returns:
+        A PNG without the library's version, so that the same figure gives the same bytes.
+    """
+    data = BytesIO()
+    figure.savefig(data, format="png", metadata={"Software": None})
+    return data.getvalue()
 
 
 def draw_marks(axes: "Axes", marks: Marks, text: bool) -> None:

@@ -14,7 +14,6 @@ import numpy as np
 from control.formation import Pair
 from control.laws import Law
 from control.output import LeaderMotion, output_error, pair_output, wanted_output
-from control.plan import PathSegment
 from control.relative import Vector2, relative_state
 from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
 from control.unicycle import UnicycleState, advance_lagged
@@ -85,9 +84,9 @@ class SampledTwisting:
 
 def _largest_errors(case: _Case, period: float, since: float) -> tuple[float, float]:
     """Of distance [m] and bearing [rad], of any follower from a time on."""
-    changes = f"control.law={case.law.title}", f"control.command_period_s={period}"
+    straight = "leader.segments=[{straight_m = 9.0}]"
+    changes = f"control.law={case.law.title}", f"control.command_period_s={period}", straight
     setup = make_setup(load_scenario("paper", changes))
-    setup = replace(setup, path=replace(setup.path, segments=(PathSegment(1.0),)))
     errors = [_follow(setup, pair, case, period) for pair in setup.formation.pairs]
     distance, bearing = np.abs(errors)[:, round(since / period) :].max(axis=(0, 1))
     return float(distance), float(bearing)

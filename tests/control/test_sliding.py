@@ -166,7 +166,7 @@ def test_an_overruled_law_is_as_if_its_limits_had_said_so(
     limited, command = follower_step(started(sample), sample, 0.01, GAINS, tight)
     free, _ = follower_step(started(sample), sample, 0.01, GAINS, MODEL)
     given = MODEL.actuation.acceleration(own, command, 0.01)
-    told = overruled(free, sample.output.input_matrix, given)
+    told = overruled(free, sample, given, GAINS)
     assert told.acceleration == pytest.approx(limited.acceleration)
     assert told.distance.applied == pytest.approx(limited.distance.applied, abs=1e-6)
     assert told.bearing.applied == pytest.approx(limited.bearing.applied, abs=1e-6)

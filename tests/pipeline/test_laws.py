@@ -25,12 +25,24 @@ def with_law_of_robot_3(tmp_path: Path, law: str) -> str:
 
 @pytest.mark.parametrize("law", LAW_NAMES)
 def test_every_law_keeps_the_formation_through_pixels(law: str) -> None:
-    _, result, _ = run_scenario("paper", 3, (f"control.law={law}",))
+    _, result, _ = run_scenario("paper", 3, (f"control.law={law}", "safety.clearance_m=0"))
     distance, bearing = worst(result)
     switched = law in ("sampled-twisting", "suboptimal", "first-order-sign")
     assert distance <= (4.0 if switched else 2.0)  # mm
     assert bearing <= (1.5 if switched else 1.2)  # deg
     assert not result.safety_events
+
+
+@pytest.mark.parametrize("law", LAW_NAMES)
+def test_every_law_gets_over_being_overruled(law: str) -> None:
+    """The filter holds both followers for a second; what is left is their later start."""
+    period = "control.command_period_s=0.005"  # at which all of them are at home
+    _, result, _ = run_scenario("paper", 3, (f"control.law={law}", period))
+    distance, bearing = worst(result)
+    assert distance <= 10.0  # mm
+    assert bearing <= 6.0  # deg
+    assert result.min_clearance_m is not None
+    assert 1e3 * result.min_clearance_m >= 20.0
 
 
 def test_a_robot_may_have_a_law_of_its_own(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ from tests.datasets.recorded_moments import moments
 from vision.scene import Scene
 
 NAMES = ("fig6_trajectories", "fig7_tracking_errors", "fig8_linear_velocities",
-         "fig9_angular_velocities", "latency", "camera")  # fmt: skip
+         "fig9_angular_velocities", "latency", "omega", "camera")  # fmt: skip
 
 
 @pytest.fixture(scope="module")

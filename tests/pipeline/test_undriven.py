@@ -74,6 +74,6 @@ def test_the_loop_through_printed_markers() -> None:
     assert result["vision"]["false_ids"] == 0
     assert result["vision"]["position_rms_m"] < 0.1e-3
     assert result["vision"]["heading_rms_rad"] < 1.5e-3
-    assert result["safety_events"] == []
+    assert {event["kind"] for event in result["safety_events"]} <= {"kept-apart"}
     for follower in result["followers"].values():
         assert follower["distance_rms_m"] < 20e-3  # in place, by the contract's measure

@@ -1,0 +1,88 @@
+"""The sections [leader] and [[obstacles]] of a scenario: where the formation goes."""
+
+from typing import Annotated, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from control.errors import ControlError
+from control.laws import leader_law_named
+from pipeline.section import Finite, Positive, Section
+
+
+def _known_leader_law(name: str) -> str:
+    try:
+        leader_law_named(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
+
+
+LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
+
+
+class StartConfig(Section):
+    """Where a simulated robot stands at t = 0, and how it moves then."""
+
+    x_m: Finite
+    y_m: Finite
+    theta_deg: Finite = 0.0
+    v_mps: Finite = 0.0
+    omega_radps: Finite = 0.0
+
+
+class SegmentConfig(Section):
+    """A piece of the leader's path: a straight line, or an arc (left is positive)."""
+
+    straight_m: Positive | None = None
+    radius_m: Positive | None = None
+    turn_deg: Finite | None = None
+
+    @model_validator(mode="after")
+    def _line_or_arc(self) -> Self:
+        arc = (self.radius_m is not None, self.turn_deg is not None)
+        if (self.straight_m is None) == (not all(arc)) or (self.straight_m and any(arc)):
+            raise ValueError("give either straight_m, or radius_m and turn_deg")
+        return self
+
+
+class GoalConfig(Section):
+    """Where a planned way ends, at a standstill."""
+
+    x_m: Finite
+    y_m: Finite
+    heading_deg: Finite = 0.0
+
+
+class ObstacleConfig(Section):
+    """A disc to drive round; where it is at the mission's start, and its constant velocity."""
+
+    x_m: Finite
+    y_m: Finite
+    radius_m: Positive
+    vx_mps: Finite = 0.0
+    vy_mps: Finite = 0.0
+
+
+class LeaderConfig(Section):
+    """The way of the formation's leader, by segments or planned to a goal, and its tracking law.
+
+    A planned way is driven at `speed_mps` at most; `ramp_s` from there to a standstill is its limit
+    of acceleration.
+    """
+
+    start: StartConfig
+    speed_mps: Positive = 0.5
+    ramp_s: Positive = 1.0
+    segments: tuple[SegmentConfig, ...] | None = Field(default=None, min_length=1)
+    goal: GoalConfig | None = None
+    proportional: Positive = 8.0
+    integral: Positive = 16.0
+    reaching_mps2: Positive = 3.0
+    point_offset_m: Positive = 0.1
+    law: LeaderLawName = "sliding"
+
+    @model_validator(mode="after")
+    def _segments_or_goal(self) -> Self:
+        if (self.segments is None) == (self.goal is None):
+            raise ValueError("give either segments or goal")
+        return self
