@@ -39,7 +39,7 @@ class SimulationSpeed:
         name: what was run.
         robots: how many.
         alone: one run after the other, each drawn, run and scored [1/s].
-        batch: runs of 3000 robots together, drawn, run and scored [1/s].
+        batch: runs of 3000 robots together on all cores, drawn, run and scored [1/s].
         plain: a loop in Python and numpy that only moves as many robots [1/s].
     """
 

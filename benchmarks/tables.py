@@ -60,6 +60,7 @@ def print_simulation(speeds: Sequence[SimulationSpeed], times: LoadTimes) -> Non
             f"{s.name:40} {s.robots:8} {s.alone:10,.0f} {s.batch:10,.0f} {s.plain:10,.0f} "
             f"{s.alone / s.plain:8.1f} {s.batch / s.plain:8.1f}"
         )
+    print("(alone: one run at a time, one core; batch: 3000 robots' runs, all cores)")
     print(f"first call: {times.compile_s:.1f} s to compile, {times.load_s:.2f} s once compiled\n")
 
 
