@@ -10,11 +10,11 @@ from time import perf_counter
 
 import cv2
 
-from benchmarks import bound_table, loop, tables, vision
+from benchmarks import bound_table, loop, simulation, tables, vision
 from benchmarks.machine import describe
 
 OUT = Path("build")
-PARTS = ("vision", "peers", "loop", "bound")
+PARTS = ("vision", "peers", "loop", "simulation", "bound")
 
 
 def main() -> None:
@@ -34,6 +34,10 @@ def main() -> None:
         help_s = _help_time()
         tables.print_loops(loops, help_s)
         result |= {"loop": tables.plain(loops), "help_s": help_s}
+    if "simulation" in parts:
+        speeds, times = simulation.measure()
+        tables.print_simulation(speeds, times)
+        result["simulation"] = tables.plain({"speeds": speeds, "first_call": times})
     if "bound" in parts:
         quick = options.quick or parts != ["bound"]
         result["bound"] = tables.plain(bound_table.measure(quick))

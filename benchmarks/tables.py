@@ -7,6 +7,7 @@ from math import isfinite
 from typing import Any
 
 from benchmarks.loop import LoopTimes
+from benchmarks.simulation import LoadTimes, SimulationSpeed
 from benchmarks.vision import Row
 
 
@@ -41,6 +42,26 @@ def print_loops(loops: Sequence[LoopTimes], help_s: float) -> None:
         print(f"{run.scenario:40} {factor:>12} {run.p50_ms:8.2f} {run.p99_ms:8.2f}")
     print("(p50, p99: from a frame's hand-over until its commands are with the radio)")
     print(f"\nechelon --help: {help_s:.2f} s")
+
+
+def print_simulation(speeds: Sequence[SimulationSpeed], times: LoadTimes) -> None:
+    """Print what was measured of simulation without a camera.
+
+    Args:
+        speeds: one per formation.
+        times: of the first call [s].
+    """
+    print(
+        f"{'simulation without a camera, steps/s':40} {'robots':>8} {'alone':>10} {'batch':>10} "
+        f"{'plain loop':>10} {'alone x':>8} {'batch x':>8}"
+    )
+    for s in speeds:
+        print(
+            f"{s.name:40} {s.robots:8} {s.alone:10,.0f} {s.batch:10,.0f} {s.plain:10,.0f} "
+            f"{s.alone / s.plain:8.1f} {s.batch / s.plain:8.1f}"
+        )
+    print("(alone: one run at a time, one core; batch: 3000 robots' runs, all cores)")
+    print(f"first call: {times.compile_s:.1f} s to compile, {times.load_s:.2f} s once compiled\n")
 
 
 def flat(row: Row) -> dict[str, Any]:

@@ -15,7 +15,7 @@ SIMULATED = (
     "robots.*.turn_disturbance_radps2", "formation", "leader", "control", "estimation", "startup",
     "radio.delay_s", "radio.loss", "radio.bandwidth_bytes_per_s", "safety.slow_after_s",
     "safety.stop_after_s", "safety.camera_silent_s", "safety.good_frames_s", "safety.give_up_s",
-    "safety.clearance_m", "safety.approach_rate_per_s", "safety.arena_m", "simulation",
+    "safety.clearance_m", "safety.approach_rate_per_s", "safety.arena_m", "simulation", "obstacles",
 )  # fmt: skip
 """What a simulation reads of a scenario: keys, and sections whole."""
 

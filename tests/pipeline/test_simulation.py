@@ -65,6 +65,7 @@ def states(experiment: Experiment, moments: list[Moment]) -> Floats:
         ("paper", 3, LAWS, None),
         ("diamond", 4, ("radio.loss=0.2",), 2.0),
         ("moving-start", 5, ("camera.repeated_share=0.2",), 2.0),
+        ("obstacle", 6, (), 2.0),
     ],
 )
 def test_a_run_is_the_run_of_the_live_loop(
