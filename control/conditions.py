@@ -11,9 +11,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from control.demands import Demands
+from control.follower import SlidingGains
 from control.laws import Law, is_first_order
 from control.relative import Vector2
-from control.sliding import SlidingGains
 
 CHANNELS = (("distance", "m/s^2"), ("bearing", "rad/s^2"))
 

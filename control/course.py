@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from control.errors import ControlError
+from control.follower import SlidingGains
 from control.formation import ShapeReference
 from control.nominal import FloatArray, nominal_error
 from control.output import MIN_DISTANCE, LeaderMotion, pair_output
 from control.plan import PlannedMotion
 from control.relative import RelativeState, Vector2, apply, inverse_input_matrix, leader_matrix
-from control.sliding import SlidingGains
 from control.unicycle import Twist
 
 

@@ -17,10 +17,10 @@ from math import hypot, inf
 import numpy as np
 
 from control.course import IdealFollower, PairCourse
+from control.follower import SlidingGains
 from control.nominal import FloatArray
 from control.output import MIN_DISTANCE
 from control.relative import Vector2
-from control.sliding import SlidingGains
 
 Reach = tuple[Vector2, Vector2]
 """Of errors and their rates about a course, of distance and bearing [m, rad, per s]."""

@@ -11,9 +11,9 @@ import numpy as np
 from control.conditions import Condition, Doubt, Needs, conditions, find_needs
 from control.course import IdealFollower, PairCourse
 from control.demands import ON_COURSE, Demands, demands, disturbance_rate, push_length
+from control.follower import SlidingGains
 from control.nominal import greatest, half_width
 from control.relative import Vector2
-from control.sliding import SlidingGains
 
 ROOM = 1.1  # Omega over the greatest nominal error
 LEAST_OMEGA = (0.02, 0.1)  # of a follower that starts in its place [m, rad]

@@ -13,6 +13,9 @@ from control.tracking import linearising_input, saturated_input
 from control.unicycle import Twist, UnicycleState
 from control.value import value
 
+LOST_RATE = 1.0
+"""A leader this far from s = 0 was held, and begins afresh, so that nothing winds up [m/s]."""
+
 
 @value
 @dataclass(frozen=True, slots=True)
@@ -156,6 +159,8 @@ def lead(
     integral = _integral(memory, error, dt)
     k, l = gains.proportional, gains.integral  # noqa: E741 (the paper's L)
     s = rate[0] + k * error[0] + l * integral[0], rate[1] + k * error[1] + l * integral[1]  # (16)
+    if max(abs(s[0]), abs(s[1])) > LOST_RATE:
+        integral, s = begin_leader(state, planned, gains).integral, (0.0, 0.0)
     horizon = max(gains.horizon, dt)
     if gains.law == LeaderLaw.SATURATED:
         u = saturated_input(state, planned, k, horizon)

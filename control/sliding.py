@@ -4,107 +4,26 @@ A second-order law (24)-(27) needs the relative configuration and the follower's
 first-order one (14), (16)-(20) also the leader's. Which one is a name in the gains.
 """
 
-from dataclasses import dataclass
 from math import inf
 
-from control.actuation import NOMINAL_GAIN, Actuation, DriveGain, require_finite
-from control.channel import ChannelGains, ChannelMemory, begin_channel, sample_channel
+from control.actuation import require_finite
+from control.channel import ChannelMemory, begin_channel, sample_channel
 from control.compilable import compilable
 from control.errors import ControlError
+from control.follower import FollowerMemory, FollowerModel, FollowerSample, SlidingGains
 from control.laws import Law, is_first_order, remembers
 from control.output import FollowerOutput, WantedOutput, output_error
-from control.reaching import ReachingGains, reach, reaching_strength, super_twist
+from control.reaching import reach, reaching_strength, super_twist
 from control.relative import Vector2, apply
-from control.twisting import TwistingGains, twist
+from control.twisting import twist
 from control.unicycle import Twist
-from control.value import value
 
-_TWISTING, _REACHING = TwistingGains(), ReachingGains()
+LOST = 0.1
+"""A second-order law this far from s = 0 begins afresh: integrals of what nobody could help would
+be paid back by as large an error of the other sign [m]; bearings count times l."""
 
-
-@value
-@dataclass(frozen=True, slots=True)
-class SlidingGains:
-    """The law and its gains; K, L, mu and nu of the paper by default.
-
-    Attributes:
-        law: which law.
-        distance: K, L of the first channel.
-        bearing: K, L of the second channel: the bearing, or the distance to a second leader.
-        twisting: mu, nu and the horizon of all implicit laws.
-        reaching: what the first-order laws assume.
-
-    Raises:
-        ControlError: if K or L is not positive.
-    """
-
-    law: Law = Law.IMPLICIT_TWISTING
-    distance: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
-    bearing: ChannelGains = ChannelGains(2.0, 1.0)  # noqa: RUF009 (immutable)
-    twisting: TwistingGains = _TWISTING
-    reaching: ReachingGains = _REACHING
-
-    def __post_init__(self) -> None:
-        for channel in (self.distance, self.bearing):
-            if not min(channel.proportional, channel.integral) > 0.0:
-                raise ControlError(f"K and L must be > 0, got {channel}")
-
-
-@value
-@dataclass(frozen=True, slots=True)
-class FollowerModel:
-    """What the law knows of its robot.
-
-    Attributes:
-        camera_offset: from the axle forward to the camera point, d > 0 [m].
-        actuation: motor lag and limits.
-
-    Raises:
-        ControlError: if the camera offset is not positive.
-    """
-
-    camera_offset: float = 0.05
-    actuation: Actuation = Actuation()  # noqa: RUF009 (immutable)
-
-    def __post_init__(self) -> None:
-        if not self.camera_offset > 0.0:
-            raise ControlError(f"the camera offset must be > 0 m, got {self.camera_offset} m")
-
-
-@value
-@dataclass(frozen=True, slots=True)
-class FollowerSample:
-    """One sample: all at the moment the command will take effect.
-
-    Attributes:
-        output: predicted h and what changes it.
-        wanted: h^d.
-        own: the follower's predicted velocities [m/s, rad/s].
-        gain: the follower's drive gains.
-    """
-
-    output: FollowerOutput
-    wanted: WantedOutput
-    own: Twist
-    gain: DriveGain = NOMINAL_GAIN
-
-
-@value
-@dataclass(frozen=True, slots=True)
-class FollowerMemory:
-    """What the law carries from sample to sample.
-
-    Attributes:
-        distance: of the first channel.
-        bearing: of the second channel.
-        acceleration: forward and angular, that the last command gives [m/s^2, rad/s^2].
-        fresh: True until the first step.
-    """
-
-    distance: ChannelMemory
-    bearing: ChannelMemory
-    acceleration: Vector2 = (0.0, 0.0)
-    fresh: bool = True
+LOST_RATE = 0.4
+"""The same of the first-order laws, whose s jumps with the leader's velocities [m/s]."""
 
 
 @compilable
@@ -189,7 +108,7 @@ def follow(
     o, wanted = sample.output, sample.wanted
     e = output_error(o, wanted)
     r = wanted.rate[0] - o.rate[0], wanted.rate[1] - o.rate[1]
-    one, two = _sampled(memory, e, r, dt, gains)
+    one, two = _sampled(memory, e, r, o.size, dt, gains)
     w = _feed_forward(o, wanted, e, gains)
     if is_first_order(gains.law):
         (v1, own1), (v2, own2) = _first_order(one, two, o, w, e, r, dt, gains)
@@ -236,13 +155,21 @@ def overruled(
 
 @compilable
 def _sampled(
-    memory: FollowerMemory, error: Vector2, rate: Vector2, dt: float, gains: SlidingGains
+    memory: FollowerMemory,
+    error: Vector2,
+    rate: Vector2,
+    size: float,
+    dt: float,
+    gains: SlidingGains,
 ) -> tuple[ChannelMemory, ChannelMemory]:
+    """Both channels with s of now; from s = 0 again if the motors could not keep it near there."""
     first_order, step = is_first_order(gains.law), 0.0 if memory.fresh else dt
-    return (
-        sample_channel(memory.distance, error[0], rate[0], step, gains.distance, first_order),
-        sample_channel(memory.bearing, error[1], rate[1], step, gains.bearing, first_order),
-    )
+    one = sample_channel(memory.distance, error[0], rate[0], step, gains.distance, first_order)
+    two = sample_channel(memory.bearing, error[1], rate[1], step, gains.bearing, first_order)
+    if max(abs(one.sliding), size * abs(two.sliding)) > (LOST_RATE if first_order else LOST):
+        one = begin_channel(error[0], rate[0], gains.distance)
+        two = begin_channel(error[1], rate[1], gains.bearing)
+    return one, two
 
 
 @compilable

@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 from control.command import RobotId
 from control.estimation import Estimate
+from control.follower import FollowerMemory
 from control.geometry import Pose2D
 from control.history import SentCommands
 from control.leader import LeaderMemory
-from control.sliding import FollowerMemory
 from control.unicycle import UnicycleState
 from pipeline.guard import GuardMemory
 from vision.frame import Frame

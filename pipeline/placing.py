@@ -1,6 +1,6 @@
 """Who takes which place, decided by where the robots are seen before a run."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from control.command import RobotId
 from control.geometry import Pose2D
@@ -13,6 +13,7 @@ from pipeline.seeing import make_seeing
 from pipeline.shaping import assign_followers, leaves_open
 
 PAUSE = 0.01  # between two looks for a new frame [s]
+TELL = 2.0  # between two words about who is missing [s]
 
 
 def place_followers(
@@ -37,28 +38,29 @@ def place_followers(
     if config is None or not leaves_open(config):
         return scenario
     say(f"looking for {len(scenario.robots)} robots: the nearest places will be theirs")
-    poses = _watched(scenario, rig, interrupted)
+    poses = _watched(scenario, rig, say, interrupted)
     if poses is None:
         return scenario
     followers = assign_followers(scenario, config, poses)
-    say(f"followers in the order of their places: {', '.join(map(str, followers))}")
+    say(f"followers in the order of their places: {_names(followers)}")
     formation = config.model_copy(update={"followers": followers})
     return scenario.model_copy(update={"formation": formation})
 
 
 def _watched(
-    scenario: Scenario, rig: Rig, interrupted: Callable[[], bool]
+    scenario: Scenario, rig: Rig, say: Callable[[str], None], interrupted: Callable[[], bool]
 ) -> Mapping[RobotId, Pose2D] | None:
-    """Poses of all robots in one frame; None on an interruption."""
+    """Poses of all robots in one frame; None on an interruption. Tells who is missing, at times."""
     seeing, missing = make_seeing(scenario), [robot.id for robot in scenario.robots]
+    told = rig.clock.now()
     while not interrupted():
         now = rig.clock.now()
         try:
             frame = rig.source.latest(now)
         except EndOfStream:
             raise ConfigError(
-                f"the frames ended before every robot was seen: no robot "
-                f"{', '.join(map(str, missing))}; say formation.followers, or show all robots"
+                f"the frames ended before every robot was seen: no robot {_names(missing)}; "
+                "say formation.followers, or show all robots"
             ) from None
         if frame is not None:
             height, width = frame.image.shape[:2]
@@ -67,5 +69,12 @@ def _watched(
             missing = [robot.id for robot in scenario.robots if robot.id not in poses]
             if not missing:
                 return poses
+        if now - told >= TELL:
+            say(f"still looking for robot {_names(missing)}; Ctrl-C ends it")
+            told = now
         rig.clock.wait_until(now + PAUSE)
     return None
+
+
+def _names(robots: Sequence[RobotId]) -> str:
+    return ", ".join(map(str, robots))

@@ -12,6 +12,7 @@ from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
 from control.estimation import MotionModel, load_filter
+from control.follower import FollowerModel, SlidingGains
 from control.formation import Formation
 from control.geometry import Pose2D
 from control.laws import law_named, leader_law_named
@@ -21,7 +22,6 @@ from control.obstacles import Obstacle
 from control.plan import Plan
 from control.reaching import ReachingGains
 from control.safety import Arena, Clearance
-from control.sliding import FollowerModel, SlidingGains
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from control.command import Command, RobotId
+from control.follower import FollowerMemory, FollowerSample
 from control.formation import Pair, by_follower
 from control.leader import LeaderMemory, begin_leader, leader_step
 from control.output import LeaderMotion, follower_output, wanted_output
 from control.plan import PlannedMotion
 from control.relative import Vector2, relative_state
-from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
+from control.sliding import begin, follower_step
 from control.unicycle import Twist
 from datasets.cycle import PairState
 from pipeline.memory import Laws, Track

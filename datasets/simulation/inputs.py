@@ -6,10 +6,10 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from control.follower import FollowerModel, SlidingGains
 from control.leader import LeaderGains
 from control.motion_model import MotionModel
 from control.safety import Arena, Clearance
-from control.sliding import FollowerModel, SlidingGains
 from control.value import value
 
 Floats = NDArray[np.float64]

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from control.channel import ChannelMemory
 from control.compilable import compilable
+from control.follower import FollowerMemory, FollowerSample, SlidingGains
 from control.leader import LeaderMemory, begin_leader, lead
 from control.output import (
     FollowerOutput,
@@ -17,7 +18,7 @@ from control.output import (
 )
 from control.plan import PlannedMotion
 from control.relative import Vector2, relative_state
-from control.sliding import FollowerMemory, FollowerSample, SlidingGains, begin, follow
+from control.sliding import begin, follow
 from control.unicycle import UnicycleState
 from datasets.simulation.filters import Filters
 from datasets.simulation.inputs import Field, Floats, Gains, Host, Integers

@@ -99,6 +99,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         scenario = paced(scenario, rig.sink.min_period, output)
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)
+            if interrupted():
+                raise typer.Exit(INTERRUPTED)
         setup = make_setup(scenario)
         for line in broken_gains(scenario, setup):
             output.say(f"warning: {line}")

@@ -1,5 +1,6 @@
 """`echelon study`: one question about the laws, answered by a figure and a table."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +28,7 @@ def study(
     """
     from pipeline.cli.output import Output
     from pipeline.errors import ConfigError
+    from pipeline.interruption import interruption
     from pipeline.studies.all import STUDIES, study_named
     from pipeline.studies.files import make_folder, write_result
 
@@ -37,8 +39,9 @@ def study(
     asked = study_named(name)
     if out is None:
         raise ConfigError(f"study {name}: needs --out DIR, a folder for {name}.png and {name}.csv")
-    make_folder(out)
-    result = _run(asked)
+    with interruption() as interrupted:  # before the folder: who sees it may press Ctrl-C
+        make_folder(out)
+        result = _run(asked, interrupted)
     picture, table = write_result(result, name, out)
     if json:
         files = {"figure": str(picture), "table": str(table)}
@@ -58,21 +61,19 @@ def _list(studies: "tuple[Study, ...]", output: "Output") -> None:
         output.say(f"{study.name:<{width}}  {study.summary}")
 
 
-def _run(study: "Study") -> "Result":
+def _run(study: "Study", interrupted: Callable[[], bool]) -> "Result":
     """The result, with a line that says how far it is; Ctrl-C ends it with status 130."""
     from pipeline.cli.running import INTERRUPTED
-    from pipeline.interruption import interruption
     from pipeline.progress import ShareLine
 
     line = ShareLine(study.name)
-    with interruption() as interrupted:
 
-        def _progress(share: float) -> None:
-            line.show(share)
-            if interrupted():
-                raise typer.Exit(INTERRUPTED)
+    def _progress(share: float) -> None:
+        line.show(share)
+        if interrupted():
+            raise typer.Exit(INTERRUPTED)
 
-        try:
-            return study.run(_progress)
-        finally:
-            line.close()
+    try:
+        return study.run(_progress)
+    finally:
+        line.close()

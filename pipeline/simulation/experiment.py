@@ -6,10 +6,10 @@ from math import ceil, inf, radians
 
 import numpy as np
 
+from control.follower import SlidingGains
 from control.formation import Pair, by_follower
 from control.output import wanted_output
 from control.safety import Clearance
-from control.sliding import SlidingGains
 from datasets.simulation.inputs import MOST_GAINS, Field, Floats, Gains, Goals, Host, Integers
 from datasets.world import RobotPlant
 from pipeline.config import Scenario

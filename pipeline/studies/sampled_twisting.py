@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from control.follower import FollowerMemory, FollowerSample
 from control.formation import Pair
 from control.laws import Law
 from control.output import LeaderMotion, output_error, pair_output, wanted_output
 from control.relative import Vector2, relative_state
-from control.sliding import FollowerMemory, FollowerSample, begin, follower_step
+from control.sliding import begin, follower_step
 from control.unicycle import UnicycleState, advance_lagged
 from pipeline.report.style import LEADER, new_figure
 from pipeline.scenario import load_scenario

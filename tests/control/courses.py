@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 from control.channel import ChannelGains
 from control.course import Motion, PairCourse, pair_course
 from control.demands import Reach
+from control.follower import SlidingGains
 from control.formation import ShapeReference
 from control.laws import Law
 from control.reaching import ReachingGains
-from control.sliding import SlidingGains
 from control.twisting import TwistingGains
 
 GAINS = SlidingGains(distance=ChannelGains(2.0, 1.0), bearing=ChannelGains(3.0, 2.0))

@@ -20,6 +20,7 @@ from control.estimation import (
     predict,
     roll,
 )
+from control.follower import FollowerMemory, FollowerModel, FollowerSample, SlidingGains
 from control.formation import Formation, Pair, Shape
 from control.geometry import Pose2D, wrap_angle
 from control.laws import law_named
@@ -29,14 +30,7 @@ from control.output import LeaderMotion, pair_output, wanted_output
 from control.plan import PathSegment, Plan, PlannedPath
 from control.profile import TanhStep
 from control.relative import relative_state
-from control.sliding import (
-    FollowerMemory,
-    FollowerModel,
-    FollowerSample,
-    SlidingGains,
-    begin,
-    follower_step,
-)
+from control.sliding import begin, follower_step
 from control.twisting import TwistingGains
 from control.unicycle import Twist, UnicycleState, advance_lagged
 

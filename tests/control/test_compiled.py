@@ -9,17 +9,11 @@ from hypothesis import strategies as st
 
 from control.actuation import DriveGain
 from control.errors import ControlError
+from control.follower import FollowerMemory, FollowerModel, FollowerSample, SlidingGains
 from control.laws import Law
 from control.output import LeaderMotion, WantedOutput, pair_output
 from control.relative import RelativeState
-from control.sliding import (
-    FollowerMemory,
-    FollowerModel,
-    FollowerSample,
-    SlidingGains,
-    begin,
-    follow,
-)
+from control.sliding import begin, follow
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
 from vision.compiled import compiled

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from control.conditions import Condition, Doubt, Needs, conditions, find_needs
 from control.demands import ON_COURSE, Demands, demands
+from control.follower import SlidingGains
 from control.laws import Law
 from control.reaching import ReachingGains
-from control.sliding import SlidingGains
 from control.twisting import TwistingGains, sampled_twisting, suboptimal
 from tests.control.courses import slow_pair
 

@@ -7,13 +7,14 @@ import pytest
 
 from control.actuation import Actuation
 from control.course import Motion, PairCourse, ideal_follower, pair_course
+from control.follower import FollowerModel, FollowerSample, SlidingGains
 from control.formation import Shape, ShapeReference
 from control.gains import Certificate, certify, omega_for
 from control.laws import Law
 from control.output import LeaderMotion, WantedOutput, follower_output
 from control.profile import TanhStep
 from control.relative import Vector2, relative_state
-from control.sliding import FollowerModel, FollowerSample, SlidingGains, begin, follower_step
+from control.sliding import begin, follower_step
 from control.unicycle import SpeedLimits, Twist, UnicycleState, advance_pose
 from tests.control.courses import LEFT, slow_pair
 

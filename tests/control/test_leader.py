@@ -14,7 +14,7 @@ from control.laws import LeaderLaw
 from control.leader import LeaderGains, begin_leader, leader_step
 from control.plan import PathSegment, Plan, PlannedMotion, PlannedPath
 from control.relative import Vector2
-from control.unicycle import Twist, UnicycleState, advance_lagged
+from control.unicycle import SpeedLimits, Twist, UnicycleState, advance_lagged
 
 ARC = PathSegment(pi * 0.4, 2.5)
 PAPER = PlannedPath(Pose2D(0, 0, 0), (PathSegment(1.05), ARC, PathSegment(1.0)), 0.5, 0.0, 1.0)
@@ -141,6 +141,29 @@ def test_every_law_comes_back_to_its_way(law: LeaderLaw) -> None:
     rows = track(off, DriveGain(), 0.01, eight, LeaderGains(law=law), KNOWN)
     assert rows[0][1] > 0.1
     assert max(off for t, off, _ in rows if t > 3.0) < 0.02
+
+
+class HurryThenStroll:
+    """Straight on, 0.6 m/s for four seconds and 0.1 m/s from then on."""
+
+    def at(self, t: float) -> PlannedMotion:
+        """Wanted motion."""
+        x, v = (0.6 * t, 0.6) if t < 4.0 else (2.4 + 0.1 * (t - 4.0), 0.1)
+        return PlannedMotion(UnicycleState(x, 0.0, 0.0, v, 0.0), 0.0, 0.0)
+
+
+def test_a_leader_that_was_held_does_not_run_past_its_plan() -> None:
+    plan, slow = HurryThenStroll(), Actuation(0.05, SpeedLimits(0.4, 15.0))
+    state = UnicycleState(0.0, 0.0, 0.0, 0.4, 0.0)
+    memory, ahead = begin_leader(state, plan.at(0.0), GAINS), []
+    for i in range(2000):
+        planned = plan.at(0.005 * i)
+        memory, command = leader_step(memory, state, planned, 0.005, GAINS, slow)
+        state = advance_lagged(state, command, 0.005, slow.lag)
+        ahead.append(state.x - planned.state.x)
+    assert min(ahead) < -0.7  # m
+    assert max(ahead) < 0.05
+    assert abs(ahead[-1]) < 0.005
 
 
 def test_limits_hold_and_s_starts_at_zero_for_any_start() -> None:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from control.actuation import Actuation
 from control.errors import ControlError
+from control.follower import FollowerMemory, FollowerModel, FollowerSample, SlidingGains
 from control.formation import ShapeReference
 from control.laws import Law
 from control.output import (
@@ -21,14 +22,7 @@ from control.output import (
 )
 from control.reaching import ReachingGains, reach, super_twist
 from control.relative import RelativeState, Vector2, apply
-from control.sliding import (
-    FollowerMemory,
-    FollowerModel,
-    FollowerSample,
-    SlidingGains,
-    begin,
-    follow,
-)
+from control.sliding import begin, follow
 from control.unicycle import SpeedLimits, Twist
 
 WIDE = FollowerModel(0.05, Actuation(0.05, SpeedLimits(1e4, 1e6), 1e5, 1e7))  # never saturates

@@ -10,20 +10,13 @@ from hypothesis import strategies as st
 from control.actuation import Actuation, DriveGain
 from control.channel import ChannelGains
 from control.errors import ControlError
+from control.follower import FollowerMemory, FollowerModel, FollowerSample, SlidingGains
 from control.formation import ShapeReference
 from control.geometry import Pose2D
 from control.laws import Law
 from control.output import FollowerOutput, LeaderMotion, WantedOutput, pair_output, wanted_output
 from control.relative import RelativeState, Vector2, relative_state
-from control.sliding import (
-    FollowerMemory,
-    FollowerModel,
-    FollowerSample,
-    SlidingGains,
-    begin,
-    follower_step,
-    overruled,
-)
+from control.sliding import begin, follower_step, overruled
 from control.twisting import TwistingGains, implicit_twisting
 from control.unicycle import SpeedLimits, Twist, UnicycleState, advance_lagged, advance_pose
 

@@ -129,6 +129,17 @@ def test_a_camera_shows_who_is_nearest_to_which_place(tmp_path: Path) -> None:
     assert "order of their places: 3, 5, 4, 2" in said[-1]
 
 
+def test_looking_for_robots_ends_when_somebody_says_so(tmp_path: Path) -> None:
+    film = tmp_path / "film.avi"
+    echelon("render", "shapes", "--out", str(film), "--duration", "0.2")
+    scenario = load_scenario(str(without_starts(tmp_path, (2,))))
+    rig = connect(scenario, str(film), None, 0, False)
+    try:
+        assert place_followers(scenario, rig, lambda _: None, lambda: True) is scenario
+    finally:
+        rig.close()
+
+
 def test_a_film_without_a_robot_says_which(tmp_path: Path) -> None:
     film = tmp_path / "film.avi"
     echelon("render", "paper", "--out", str(film), "--duration", "0.2")

@@ -208,7 +208,6 @@ def test_ctrl_c_ends_with_130_and_leaves_no_half_files(tmp_path: Path) -> None:
     deadline = time.monotonic() + 30.0
     while time.monotonic() < deadline and not (tmp_path / "out").exists():
         time.sleep(0.02)
-    time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=30.0)
     assert process.returncode == 130, errors
