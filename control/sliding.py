@@ -20,7 +20,8 @@ from control.unicycle import Twist
 
 LOST = 0.1
 """A second-order law this far from s = 0 begins afresh: integrals of what nobody could help would
-be paid back by as large an error of the other sign [m]; bearings count times l."""
+be paid back by as large an error of the other sign [m]; bearings count times l. Sampled twisting
+is left as published."""
 
 LOST_RATE = 0.4
 """The same of the first-order laws, whose s jumps with the leader's velocities [m/s]."""
@@ -166,7 +167,8 @@ def _sampled(
     first_order, step = is_first_order(gains.law), 0.0 if memory.fresh else dt
     one = sample_channel(memory.distance, error[0], rate[0], step, gains.distance, first_order)
     two = sample_channel(memory.bearing, error[1], rate[1], step, gains.bearing, first_order)
-    if max(abs(one.sliding), size * abs(two.sliding)) > (LOST_RATE if first_order else LOST):
+    away = max(abs(one.sliding), size * abs(two.sliding))
+    if away > (LOST_RATE if first_order else LOST) and gains.law != Law.SAMPLED_TWISTING:
         one = begin_channel(error[0], rate[0], gains.distance)
         two = begin_channel(error[1], rate[1], gains.bearing)
     return one, two
