@@ -5,9 +5,8 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 
-from control.errors import ControlError
 from control.laws import law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
@@ -24,6 +23,7 @@ from pipeline.section import (
     Seconds,
     Section,
     SignedFraction,
+    known,
 )
 from pipeline.sensor_config import SensorConfig
 from pipeline.surroundings_config import SurroundingsConfig
@@ -31,15 +31,7 @@ from pipeline.surroundings_config import SurroundingsConfig
 PerChannel = tuple[Positive, Positive]
 
 
-def _known_law(name: str) -> str:
-    try:
-        law_named(name)
-    except ControlError as error:
-        raise ValueError(str(error)) from None
-    return name
-
-
-LawName = Annotated[str, AfterValidator(_known_law)]
+LawName = Annotated[str, known(law_named)]
 
 
 class PartConfig(Section):

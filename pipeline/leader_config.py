@@ -2,22 +2,12 @@
 
 from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
-from control.errors import ControlError
 from control.laws import leader_law_named
-from pipeline.section import Finite, Positive, Section
+from pipeline.section import Finite, Positive, Section, known
 
-
-def _known_leader_law(name: str) -> str:
-    try:
-        leader_law_named(name)
-    except ControlError as error:
-        raise ValueError(str(error)) from None
-    return name
-
-
-LeaderLawName = Annotated[str, AfterValidator(_known_leader_law)]
+LeaderLawName = Annotated[str, known(leader_law_named)]
 
 
 class StartConfig(Section):

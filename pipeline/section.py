@@ -1,8 +1,11 @@
 """What all sections of a scenario file share: their base, and numbers with ranges."""
 
+from collections.abc import Callable
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from control.errors import ControlError
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -17,6 +20,26 @@ Colour = Annotated[str, Field(pattern=r"^#[0-9a-fA-F]{6}$")]
 Identifier = (
     Annotated[int, Field(ge=0, le=9999)] | Annotated[str, Field(min_length=1, max_length=32)]
 )
+
+
+def known(find: Callable[[str], object]) -> AfterValidator:
+    """A check that a name can be found.
+
+    Args:
+        find: looks it up; raises ControlError if it is unknown.
+
+    Returns:
+        For `Annotated`: leaves the name as it is.
+    """
+
+    def _check(name: str) -> str:
+        try:
+            find(name)
+        except ControlError as error:
+            raise ValueError(str(error)) from None
+        return name
+
+    return AfterValidator(_check)
 
 
 class Section(BaseModel):
