@@ -26,6 +26,9 @@ is left as published."""
 LOST_RATE = 0.4
 """The same of the first-order laws, whose s jumps with the leader's velocities [m/s]."""
 
+LOST_ACCELERATION = 5.0
+"""... and by what acceleration does in a period that no law saw coming [m/s^2]."""
+
 
 @compilable
 def begin(
@@ -168,7 +171,8 @@ def _sampled(
     one = sample_channel(memory.distance, error[0], rate[0], step, gains.distance, first_order)
     two = sample_channel(memory.bearing, error[1], rate[1], step, gains.bearing, first_order)
     away = max(abs(one.sliding), size * abs(two.sliding))
-    if away > (LOST_RATE if first_order else LOST) and gains.law != Law.SAMPLED_TWISTING:
+    most = LOST_RATE + LOST_ACCELERATION * dt if first_order else LOST
+    if away > most and gains.law != Law.SAMPLED_TWISTING:
         one = begin_channel(error[0], rate[0], gains.distance)
         two = begin_channel(error[1], rate[1], gains.bearing)
     return one, two

@@ -111,6 +111,9 @@ class Collector:
         self._events += cycle.events
         self._notes += cycle.notes
 
+    def close(self) -> None:
+        """Release nothing. Safe to call twice."""
+
     def series(self) -> Series:
         """All that was gathered.
 

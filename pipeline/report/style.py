@@ -58,13 +58,16 @@ def house_style() -> AbstractContextManager[None]:
     return rc_context(_SETTINGS)
 
 
-def new_figure(height: float, rows: int = 1, columns: int = 1) -> "tuple[Figure, list[Axes]]":
-    """Begin a figure with plots that share the horizontal axis in a column, the vertical in a row.
+def new_figure(
+    height: float, rows: int = 1, columns: int = 1, shared: bool = True
+) -> "tuple[Figure, list[Axes]]":
+    """Begin a figure with plots.
 
     Args:
         height: of the figure, 7.4 inches wide [inch].
         rows: of plots.
         columns: of plots.
+        shared: whether a column shares its horizontal axis, and a row its vertical one.
 
     Returns:
         The figure and its plots, row by row.
@@ -74,7 +77,10 @@ def new_figure(height: float, rows: int = 1, columns: int = 1) -> "tuple[Figure,
 
     figure = Figure(figsize=(7.4, height), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(rows, columns, sharex="col", sharey="row", squeeze=False)
+    if shared:
+        axes = figure.subplots(rows, columns, sharex="col", sharey="row", squeeze=False)
+    else:
+        axes = figure.subplots(rows, columns, squeeze=False)
     return figure, list(np.ravel(axes))
 
 

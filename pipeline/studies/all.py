@@ -2,11 +2,21 @@
 
 from pipeline.errors import ConfigError
 from pipeline.studies.differentiators import Differentiators
+from pipeline.studies.laws_compared import LawsCompared
+from pipeline.studies.paper import PaperAgain
+from pipeline.studies.robustness import Robustness
 from pipeline.studies.sampled_twisting import SampledTwisting
 from pipeline.studies.study import Study
 from pipeline.studies.twisting_laws import TwistingLaws
 
-STUDIES: tuple[Study, ...] = (Differentiators(), SampledTwisting(), TwistingLaws())
+STUDIES: tuple[Study, ...] = (
+    PaperAgain(),
+    SampledTwisting(),
+    TwistingLaws(),
+    LawsCompared(),
+    Robustness(),
+    Differentiators(),
+)
 
 
 def study_named(name: str) -> Study:

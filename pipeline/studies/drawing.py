@@ -54,13 +54,13 @@ def period_axis(axes: "Axes", periods: Sequence[float]) -> None:
 
 
 def legend_below(figure: "Figure") -> None:
-    """One row of labels below the plots, those of the first plot.
+    """Labels below the plots, those of the first plot, at most four in a row.
 
     Args:
         figure: whose plots have the same curves.
     """
     handles, names = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, names, ncols=len(names), loc="outside lower center")
+    figure.legend(handles, names, ncols=min(len(names), 4), loc="outside lower center")
 
 
 def law_color(law: Law) -> str:
@@ -70,9 +70,10 @@ def law_color(law: Law) -> str:
         law: a follower's law.
 
     Returns:
-        As matplotlib takes it; black is left for what is no law of ours.
+        As matplotlib takes it; black is left for what is no law of ours. A first-order law has
+        that of a second-order one, and dashes.
     """
-    return color_of(1 + law)
+    return color_of(1 + law % Law.FIRST_ORDER_SIGN)
 
 
 def shades(count: int) -> list[str]:

@@ -144,6 +144,17 @@ def test_python_and_machine_code_agree(seed: int) -> None:
     np.testing.assert_allclose(filtered(poses, twists), slow, atol=1e-9)
 
 
+@settings(max_examples=30)
+@given(SEEDS)
+def test_motors_are_asked_for_what_they_can_reach(seed: int) -> None:
+    poses, twists = crowd(seed, 3, 0.15)
+    reach = np.array((0.05, 0.4))
+    low, high = twists - reach, twists + reach
+    safe = fast(poses, twists, low, high, np.ones(3), CLEARANCE, OPEN)
+    slowed = np.abs(safe) < np.abs(twists)  # braking may go beyond what was hoped, towards 0
+    assert (slowed | ((safe >= low - 1e-5) & (safe <= high + 1e-5))).all()
+
+
 @given(SEEDS)
 def test_who_cannot_give_way_is_left_alone_and_the_other_does(seed: int) -> None:
     poses, twists = crowd(seed, 2, 0.1)

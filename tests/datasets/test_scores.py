@@ -1,7 +1,7 @@
 """Scores of runs whose errors are known beforehand."""
 
 import json
-from math import cos, pi, sin
+from math import cos, hypot, pi, sin
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from control.plan import PathSegment, PlannedPath
 from control.profile import TanhStep
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
-from datasets.scores import settled_at
+from datasets.scores import Motions, follower_errors, follower_score, settled_at
 from datasets.truth import RunResult, Scores
 from vision.camera import overhead_camera
 from vision.scene import Detection, PixelPose, Rejection, Scene
@@ -161,3 +161,23 @@ def test_settling_is_judged_until_the_next_change() -> None:
     assert settled_at(mission, shares, (1.5, 4.0)) is None
     shares[10] = np.nan
     assert settled_at(mission, shares, (0.7,)) is None
+
+
+def test_of_two_distances_the_worse_counts() -> None:
+    """The camera point of robot 3 stands 3 mm too near to robot 1 and 7 mm too far from robot 2."""
+    count, times = 50, 0.1 * np.arange(50)
+    poses = np.array([(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (0.2 - D, 0.1, 0.0)])
+    motions = Motions((1, 2, 3), times, times, np.zeros((count, 3, 5)))
+    motions.states[:, :, :3] = poses
+    real = hypot(0.2, 0.1)
+    pairs = [
+        Pair(leader, 3, Shape(TanhStep.constant(real + off), None))
+        for leader, off in ((1, 0.003), (2, -0.007))
+    ]
+    errors = np.stack([follower_errors(motions, pair, D) for pair in pairs])
+    score = follower_score(motions, pairs, errors)
+    assert score.leaders == (1, 2)
+    assert score.distance_rms_m == pytest.approx(0.007)
+    assert score.distance_max_m == pytest.approx(0.007)
+    assert score.bearing_rms_rad is None
+    assert score.settled_at_s == 0.0
