@@ -1,19 +1,40 @@
-"""The safety filter as machine code: an idle call costs 20 us, a busy one 0.1 ms; 20 in Python."""
+"""The filter between bodies as machine code: 12 us a call where nothing is close."""
 
 import numpy as np
 
-from control import safety
-from control.safety import Arena, Clearance
+from control import clearing
+from control.actuation import Actuation
+from control.safety import Arena, Clearance, Floats
 from pipeline.notice import told_after
 from vision.compiled import compiled
 
 PATIENCE = 2.0  # of a user who is told nothing [s]
 
-keep_apart = compiled(safety.keep_apart)
+_compiled = compiled(clearing.clear_commands)
+
+
+def clear_commands(
+    table: Floats, dt: float, motors: Actuation, clearance: Clearance, arena: Arena
+) -> Floats:
+    """`control.clearing.clear_commands` of a table with a row a robot.
+
+    Args:
+        table: (N, 10) x, y, theta, v, omega, wanted v and omega, both drive gains, freedom
+            [m, m, rad, m/s, rad/s, m/s, rad/s, 1, 1, 1].
+        dt: for which the commands hold, > 0 [s].
+        motors: lag and limits.
+        clearance: what is kept, and how.
+        arena: what must not be left.
+
+    Returns:
+        (N, 2) commands [m/s, rad/s].
+    """
+    return _compiled(
+        table[:, :5], table[:, 5:7], table[:, 7:9], table[:, 9], dt, motors, clearance, arena
+    )
 
 
 def rehearse_clearing() -> None:
     """Compile the filter, or load it from disk, so that no command waits for it."""
     with told_after(PATIENCE, "compiling the safety filter for this processor, this once"):
-        twists = np.zeros((2, 2))
-        keep_apart(np.zeros((2, 3)), twists, twists, twists, np.zeros(2), Clearance(), Arena())
+        clear_commands(np.ones((2, 10)), 0.01, Actuation(), Clearance(), Arena())

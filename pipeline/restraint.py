@@ -3,9 +3,9 @@
 The laws learn which accelerations their robots really get, so that nothing winds up.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
-from math import hypot
+from math import hypot, nan
 
 import numpy as np
 
@@ -15,12 +15,13 @@ from control.relative import Vector2
 from control.sliding import overruled
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import SafetyEvent
-from pipeline.clearing import keep_apart
+from pipeline.clearing import clear_commands
 from pipeline.memory import Laws, Track
 from pipeline.setup import Setup
 from pipeline.steering import NOTHING_TOLD, Aim, follower_sample
 
 FOLLOWER_FREEDOM, LEADER_FREEDOM = 1.0, 0.25  # the leader gives way less: all follow it
+NOBODY_DRIVES = Twist(nan, nan)
 CALM = 0.5  # after which a robot that was kept off others counts as left alone [s]
 
 Twists = Mapping[RobotId, Twist]
@@ -93,34 +94,23 @@ def _apart(
     """The filter's twists; the very same where nothing is close."""
     if setup.clearance is None:
         return twists
-    ways = np.array([_way(setup, track, twists.get(robot), dt) for robot, track in tracks.items()])
-    poses = np.array([(s.x, s.y, s.theta) for s in (track.ahead for track in tracks.values())])
-    freedoms = np.array([_freedom(setup, robot, shares) for robot in tracks])
-    wanted, low, high = ways[:, 0], ways[:, 1], ways[:, 2]
-    reached = keep_apart(poses, wanted, low, high, freedoms, setup.clearance, setup.arena)
-    changed = (reached != wanted).any(axis=1).tolist()
-    return dict(twists) | {
-        robot: _command(setup, tracks[robot], to, dt)
-        for robot, to, other in zip(tracks, reached.tolist(), changed, strict=True)
-        if other and robot in twists
-    }
+    table = np.array([
+        (*_state(track.ahead), *_twist(twists.get(robot, NOBODY_DRIVES)),
+         track.estimate.gain.v, track.estimate.gain.omega, _freedom(setup, robot, shares))
+        for robot, track in tracks.items()
+    ])  # fmt: skip
+    motors = setup.follower.actuation
+    given = clear_commands(table, dt, motors, setup.clearance, setup.arena)
+    kept = zip(tracks, given.tolist(), strict=True)
+    return {robot: Twist(*row) for robot, row in kept if robot in twists}
 
 
-def _way(setup: Setup, track: Track, command: Twist | None, dt: float) -> tuple[Vector2, ...]:
-    """Wanted, least and greatest velocities at the end of the period."""
-    own, gain, motors = track.ahead.twist, track.estimate.gain, setup.follower.actuation
-    if command is None:
-        return ((own.v, own.omega),) * 3
-    a, b = motors.acceleration(own, command, dt, gain)
-    low, high = motors.reachable(own, dt, gain)
-    return (own.v + dt * a, own.omega + dt * b), (low.v, low.omega), (high.v, high.omega)
+def _state(state: UnicycleState) -> tuple[float, ...]:
+    return state.x, state.y, state.theta, state.v, state.omega
 
 
-def _command(setup: Setup, track: Track, to: Sequence[float], dt: float) -> Twist:
-    """The command that leads to some velocities at the end of the period."""
-    own = track.ahead.twist
-    u = (to[0] - own.v) / dt, (to[1] - own.omega) / dt
-    return setup.follower.actuation.command(own, u, dt, track.estimate.gain)[0]
+def _twist(twist: Twist) -> Vector2:
+    return twist.v, twist.omega
 
 
 def _freedom(setup: Setup, robot: RobotId, shares: Mapping[RobotId, float]) -> float:

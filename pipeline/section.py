@@ -1,6 +1,7 @@
 """What all sections of a scenario file share: their base, and numbers with ranges."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -31,15 +32,15 @@ def known(find: Callable[[str], object]) -> AfterValidator:
     Returns:
         For `Annotated`: leaves the name as it is.
     """
+    return AfterValidator(partial(_found, find))
 
-    def _check(name: str) -> str:
-        try:
-            find(name)
-        except ControlError as error:
-            raise ValueError(str(error)) from None
-        return name
 
-    return AfterValidator(_check)
+def _found(find: Callable[[str], object], name: str) -> str:
+    try:
+        find(name)
+    except ControlError as error:
+        raise ValueError(str(error)) from None
+    return name
 
 
 class Section(BaseModel):

@@ -6,9 +6,9 @@ Slowed by the safety rules, kept off other bodies; the laws learn what their rob
 import numpy as np
 from numpy.typing import NDArray
 
+from control.clearing import clear_commands
 from control.compilable import compilable
 from control.leader import LeaderMemory
-from control.safety import keep_apart
 from control.sliding import overruled
 from control.unicycle import Twist
 from datasets.simulation.filters import Filters
@@ -47,27 +47,20 @@ def _keep_apart(
     filters: Filters, host: Host, field: Field, commands: Floats, kept: NDArray[np.bool_]
 ) -> None:
     """Replace the commands that lead too near to others."""
-    count, dt, motors = len(commands), host.period, host.follower.actuation
-    poses, ways = np.empty((count, 3)), np.empty((3, count, 2))  # wanted, least, greatest
+    count = len(commands)
+    states, gains = np.empty((count, 5)), np.empty((count, 2))
     for robot in range(count):
         state, gain = filters.ahead[robot], filters.gains[robot]
-        poses[robot, 0], poses[robot, 1], poses[robot, 2] = state.x, state.y, state.theta
-        command = Twist(commands[robot, 0], commands[robot, 1])
-        a, b = motors.acceleration(state.twist, command, dt, gain)
-        low, high = motors.reachable(state.twist, dt, gain)
-        ways[0, robot, 0], ways[0, robot, 1] = state.v + dt * a, state.omega + dt * b
-        ways[1, robot, 0], ways[1, robot, 1] = low.v, low.omega
-        ways[2, robot, 0], ways[2, robot, 1] = high.v, high.omega
-    reached = keep_apart(
-        poses, ways[0], ways[1], ways[2], field.freedoms, host.clearance, host.arena
-    )
+        states[robot, 0], states[robot, 1], states[robot, 2] = state.x, state.y, state.theta
+        states[robot, 3], states[robot, 4] = state.v, state.omega
+        gains[robot, 0], gains[robot, 1] = gain.v, gain.omega
+    given = clear_commands(
+        states, commands, gains, field.freedoms, host.period, host.follower.actuation,
+        host.clearance, host.arena,
+    )  # fmt: skip
     for robot in range(count):
-        own, to = filters.ahead[robot].twist, reached[robot]
-        kept[robot] = to[0] != ways[0, robot, 0] or to[1] != ways[0, robot, 1]
-        if kept[robot]:
-            u = (to[0] - own.v) / dt, (to[1] - own.omega) / dt
-            command, _ = motors.command(own, u, dt, filters.gains[robot])
-            commands[robot, 0], commands[robot, 1] = command.v, command.omega
+        kept[robot] = given[robot, 0] != commands[robot, 0] or given[robot, 1] != commands[robot, 1]
+        commands[robot] = given[robot]
 
 
 @compilable
