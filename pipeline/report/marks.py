@@ -128,9 +128,9 @@ def changes(setup: Setup) -> tuple[Mark, ...]:
             if step.t <= setup.duration:
                 what = f"{scale * step.before:.3g} → {scale * step.after:.3g}{unit}"
                 told.setdefault(step.t, {}).setdefault(pair.follower, []).append(what)
-    middle = 0.5 * setup.duration  # texts of early changes go right, that of the arrival left
+    late = 0.7 * setup.duration  # texts of changes go right, that of the arrival left
     return tuple(
-        Mark(t, t, _shortened(robots), "left" if t < middle else "center")
+        Mark(t, t, _shortened(robots), "left" if t < late else "center")
         for t, robots in sorted(told.items())
     )
 

@@ -13,6 +13,11 @@ def test_the_initial_rate_of_a_watched_signal_and_its_spread() -> None:
     exact = initial_rate(times.tolist(), arc.tolist(), 1.0)
     assert exact.rate == pytest.approx(-0.1, abs=2e-3)  # m/s, at the end
     assert exact.spread < 0.01
+    noise = np.random.default_rng(0).normal(size=(100, 31)) * 3e-4
+    fits = [initial_rate(times.tolist(), (arc + n).tolist(), 1.0) for n in noise]
+    errors = np.array([fit.rate + 0.1 for fit in fits])
+    assert np.abs(errors).max() < 0.03
+    assert 0.3 < np.mean([fit.spread for fit in fits]) / errors.std() < 3.0
 
 
 @pytest.mark.parametrize(("samples", "fps"), [(6, 10), (6, 30), (15, 30), (30, 30)])
