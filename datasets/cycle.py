@@ -7,9 +7,27 @@ from control.formation import ShapeReference
 from control.geometry import wrap_angle
 from control.plan import PlannedMotion
 from control.relative import RelativeState, Vector2
-from control.unicycle import UnicycleState
+from control.unicycle import Twist, UnicycleState
 from vision.frame import Frame
 from vision.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Orders:
+    """What a person wants at a moment.
+
+    Attributes:
+        drive: velocities of the leader, where keys drive it [m/s, rad/s].
+        halt: an emergency stop: all robots stop, and stay so.
+        arm: motion may begin, or begin again after a stop.
+    """
+
+    drive: Twist | None = None
+    halt: bool = False
+    arm: bool = False
+
+
+NO_ORDERS = Orders()
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,11 +38,13 @@ class Tick:
         t: the moment of the cycle, on the capture clock [s].
         frame: the newest frame not yet seen, or None.
         lost_links: robots whose radio link is down.
+        orders: of a person.
     """
 
     t: float
     frame: Frame | None = None
     lost_links: tuple[RobotId, ...] = ()
+    orders: Orders = NO_ORDERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +89,8 @@ class SafetyEvent:
 
     Attributes:
         t: when [s].
-        kind: "robot-stopped", "robot-free", "camera-silent" or "camera-back".
+        kind: "robot-stopped", "robot-free", "kept-apart", "camera-silent", "camera-back",
+            "emergency-stop" or "armed".
         robot_id: whom it concerns, None for all.
         detail: one sentence with the numbers.
     """
@@ -87,8 +108,8 @@ class Cycle:
     Attributes:
         t: the moment of the cycle [s].
         t_effective: when its commands reach the wheels [s].
-        phase: "searching", "watching", "running", "holding", "finished" or "stopped" (for good,
-            by the safety rules).
+        phase: "idle", "armed", "running", "holding", "stopped" (emergency stop), "finished" or
+            "given-up" (for good, by the safety rules).
         t_start: when the mission's clock started [s], None before.
         scene: what was seen, None without a new frame.
         robots: predicted states at t_effective.
@@ -120,11 +141,13 @@ class Timing:
         vision: finding the robots in the frame [s], 0 without a frame.
         step: the whole step, frame to commands [s].
         frame_to_command: from the frame's hand-over until its commands are with the radio [s].
+        late: after its beat the cycle began [s].
     """
 
     vision: float
     step: float
     frame_to_command: float
+    late: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from control.command import RobotId
 from control.formation import Pair
 from control.geometry import Pose2D, wrap_angle
-from control.plan import Plan
 from control.relative import relative_state
+from control.unicycle import UnicycleState, advance_pose
 from datasets.bodies import pair_gaps
 
 Floats = NDArray[np.float64]
@@ -168,22 +168,33 @@ def settled_at(mission: Floats, shares: Floats, changes: Sequence[float]) -> flo
     return float(mission[first[start]]) if start < len(first) else None
 
 
-def leader_score(motions: Motions, leader: RobotId, path: Plan) -> LeaderScore:
+def leader_score(motions: Motions, leader: RobotId, planned: Floats) -> LeaderScore:
     """Compare the leader with its plan.
 
     Args:
         motions: of the robots.
         leader: id of the formation's leader.
-        path: its plan, on the mission's clock.
+        planned: shape (T, 2), its planned places, NaN where there was no plan [m].
 
     Returns:
         The score.
     """
     started = motions.mission >= 0.0
-    planned = [path.at(t).state for t in motions.mission[started].tolist()]
-    wanted = np.array([(state.x, state.y) for state in planned]).reshape(-1, 2)
-    off = motions.of(leader)[started, :2] - wanted
+    off = motions.of(leader)[started, :2] - planned[started]
     return LeaderScore(rms(np.hypot(off[:, 0], off[:, 1])))
+
+
+def planned_before(planned: UnicycleState, delay: float) -> Pose2D:
+    """Where a plan was a moment before, to the first order of its velocities.
+
+    Args:
+        planned: state [m, m, rad, m/s, rad/s].
+        delay: how long before [s].
+
+    Returns:
+        The pose then.
+    """
+    return advance_pose(planned.pose, planned.twist, -delay)
 
 
 def least_clearance(motions: Motions, side: float) -> float | None:

@@ -82,7 +82,8 @@ def _record(kind: Any) -> Form:
         return {name: part.encode(getattr(value, name)) for name, part in parts}
 
     def _decode(plain: Any) -> Any:
-        return kind(*[part.decode(plain[name]) for name, part in parts])
+        known = {name: part.decode(plain[name]) for name, part in parts if name in plain}
+        return kind(**known)  # what an old recording lacks takes its default
 
     properties: dict[str, Plain] = {name: part.schema for name, part in parts}
     return Form(_encode, _decode, {"type": "object", "properties": properties})

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
-from datasets.cycle import Cycle, Moment, RobotState, Tick, Timing
+from datasets.cycle import NO_ORDERS, Cycle, Moment, Orders, RobotState, Tick, Timing
 from datasets.session_codec import Plain, form
 from vision.frame import Frame, as_frame
 
@@ -64,11 +64,13 @@ class Inputs:
         t: the moment of the cycle [s].
         frame: stamp of the frame it carried, or None.
         lost_links: robots whose radio link was down.
+        orders: of a person; recordings of older versions have none.
     """
 
     t: float
     frame: FrameStamp | None
     lost_links: tuple[RobotId, ...]
+    orders: Orders = NO_ORDERS
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +187,7 @@ def split(moment: Moment) -> Iterator[tuple[str, Plain]]:
     """
     tick, cycle = moment.tick, moment.cycle
     frame = tick.frame
-    inputs = Inputs(tick.t, None if frame is None else _stamp(frame), tick.lost_links)
+    inputs = Inputs(tick.t, None if frame is None else _stamp(frame), tick.lost_links, tick.orders)
     yield "/inputs", encode_part("/inputs", tick.t, {"inputs": inputs})
     yield "/cycle", encode_part("/cycle", tick.t, {n: getattr(cycle, n) for n in _STATUS})
     for name, topic in _CHANNEL_OF_PART.items():
@@ -217,7 +219,7 @@ def join(parts: Mapping[str, Any], image: NDArray[np.uint8] | None) -> Moment:
         **{name: parts.get(name, absent.get(name, ())) for name in _CHANNEL_OF_PART},
         **{name: parts[name] for name in _STATUS},
     )
-    tick = Tick(inputs.t, _frame(inputs.frame, image), inputs.lost_links)
+    tick = Tick(inputs.t, _frame(inputs.frame, image), inputs.lost_links, inputs.orders)
     return Moment(tick, cycle, parts.get("truth", ()), parts["timing"])
 
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.formation import Formation, by_follower
-from control.plan import Plan
-from datasets.cycle import Moment, RobotState, SafetyEvent
+from control.relative import Vector2
+from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent
 from datasets.scores import (
     FollowerScore,
     LeaderScore,
@@ -18,6 +18,7 @@ from datasets.scores import (
     follower_score,
     leader_score,
     least_clearance,
+    planned_before,
 )
 from datasets.sightings import Sighted, VisionScore, sighted, vision_score
 from datasets.track import TruthTrack
@@ -108,7 +109,6 @@ class Scores:
         self,
         formation: Formation,
         camera_offset: float,
-        path: Plan,
         camera: CameraModel,
         side: float,
     ) -> None:
@@ -117,13 +117,13 @@ class Scores:
         Args:
             formation: who follows whom, in which shape.
             camera_offset: of the followers' camera points, d [m].
-            path: the leader's plan.
             camera: who looks.
             side: of the square bodies and tags [m].
         """
-        self._formation, self._offset, self._path = formation, camera_offset, path
+        self._formation, self._offset = formation, camera_offset
         self._camera, self._side = camera, side
         self._clock: list[tuple[float, float, float]] = []  # t, t_effective, t_start
+        self._planned: list[tuple[Vector2, Vector2]] = []  # the leader's places now, when effective
         self._true: list[tuple[tuple[float, ...], ...]] = []
         self._believed: list[tuple[tuple[float, ...], ...]] = []
         self._scenes: list[Scene] = []
@@ -141,6 +141,7 @@ class Scores:
         cycle, timing = moment.cycle, moment.timing
         start = np.nan if cycle.t_start is None else cycle.t_start
         self._clock.append((moment.tick.t, cycle.t_effective, start))
+        self._planned.append(_planned(cycle))
         self._true.append(self._states(moment.truth))
         self._believed.append(self._states(cycle.robots))
         self._commands += len(cycle.commands)
@@ -173,7 +174,7 @@ class Scores:
             wall_s=wall,
             truth=known,
             followers=self._followers(motions),
-            leader=leader_score(motions, self._formation.root, self._path) if started else None,
+            leader=self._leader(motions, known) if started else None,
             min_clearance_m=least_clearance(motions, self._side),
             seen=sighted(tuple(self._scenes), self._formation.robots),
             vision=self._vision(motions) if known else None,
@@ -201,6 +202,12 @@ class Scores:
         believed = np.array(self._believed).reshape(true.shape)
         return Motions(robots, effective, effective - start, believed), False
 
+    def _leader(self, motions: Motions, known: bool) -> LeaderScore | None:
+        planned = np.array(self._planned)[:, 0 if known else 1]
+        if not np.isfinite(planned).any():
+            return None
+        return leader_score(motions, self._formation.root, planned)
+
     def _followers(self, motions: Motions) -> tuple[FollowerScore, ...]:
         if not len(motions.times):
             return ()
@@ -221,6 +228,15 @@ class Scores:
         states[..., 2] = np.unwrap(states[..., 2], axis=0)
         track = TruthTrack(motions.times[fresh], states)
         return vision_score(tuple(self._scenes), motions.ids, track, self._camera, self._side)
+
+
+def _planned(cycle: Cycle) -> tuple[Vector2, Vector2]:
+    """The leader's places at the tick and when its command takes effect; NaN without a plan."""
+    if cycle.planned is None:
+        return (np.nan, np.nan), (np.nan, np.nan)
+    then = cycle.planned.state
+    now = planned_before(then, cycle.t_effective - cycle.t)
+    return (now.x, now.y), (then.x, then.y)
 
 
 def _plain(score: FollowerScore) -> dict[str, Any]:

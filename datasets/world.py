@@ -17,6 +17,7 @@ import numpy as np
 from control.command import RobotId
 from control.unicycle import SpeedLimits, Twist, UnicycleState
 from datasets.bodies import pair_gaps
+from datasets.carried import CarriedWay
 from datasets.cycle import RobotState
 from datasets.errors import SimulationError
 from datasets.plant import GRID, SLACK, Motion, draw_tones, motion_after, wave
@@ -55,6 +56,7 @@ class RobotPlant:
         track_width: between the wheels, for those who send wheel speeds [m].
         limits: what the wheels can do; commands are clipped to it.
         disturbance: bounds of pi_i.
+        carried: the way along which someone carries it, whatever it is told; None: nobody does.
 
     Raises:
         SimulationError: if the lag is negative, the side is not positive or a number not finite.
@@ -69,6 +71,7 @@ class RobotPlant:
     track_width: float = 0.068
     limits: SpeedLimits = _FAST
     disturbance: Disturbance = _CALM
+    carried: CarriedWay | None = None
 
     def __post_init__(self) -> None:
         s = self.start
@@ -233,6 +236,9 @@ class _Robot:
 
     def at(self, t: float) -> Motion:
         """Motion at a time the memory reaches."""
+        if self.plant.carried:
+            s = self.plant.carried.at(t)
+            return s.x, s.y, s.theta, s.v, s.omega
         leg = next((leg for leg in reversed(self._legs) if leg.t <= t), self._legs[0])
         return leg.at(t)
 

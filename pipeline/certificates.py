@@ -19,6 +19,7 @@ from pipeline.config import Scenario
 from pipeline.setup import Setup
 
 STEP, LONGEST = 0.01, 60.0  # between samples of a mission, and how much of it is looked at [s]
+NO_PLAN = "no certificate: a person moves the leader, so nobody knows its way beforehand"
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +63,10 @@ def make_certificates(setup: Setup, starts: Mapping[RobotId, UnicycleState]) -> 
     Returns:
         The certificates; a follower is taken to slide ideally where others follow it.
     """
+    if setup.path is None:
+        followed = by_follower(setup.formation.pairs).values()
+        none = tuple(Certified(pairs[0], trouble=NO_PLAN) for pairs in followed)
+        return Certificates(none, np.empty((3, 0)))
     times = np.arange(0.0, min(setup.duration, LONGEST) + 1.5 * STEP, STEP)
     planned = planned_motion(setup.path.at(t) for t in times.tolist())
     motions: dict[RobotId, Motion] = {setup.formation.root: planned}

@@ -10,6 +10,7 @@ import numpy as np
 from control.command import RobotId
 from control.geometry import Pose2D, wrap_angle
 from control.laws import Law
+from control.plan import Plan
 from pipeline.certificate_findings import certificate_findings
 from pipeline.certificates import make_certificates, start_states
 from pipeline.config import Scenario
@@ -47,7 +48,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         _formation(setup),
         *_gains(scenario, setup),
         *certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup),
-        *_plan(scenario, setup),
+        *(_plan(scenario, setup, setup.path) if setup.path else _by_hand(scenario, setup)),
         *_seeing(scenario, setup.seeing),
         _radio(scenario),
         _safety(scenario),
@@ -102,9 +103,25 @@ def _sampling(setup: Setup, period: float) -> Iterator[Finding]:
         )
 
 
-def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
+def _by_hand(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
+    """What a person who moves the leader must know."""
+    if setup.keys is None:
+        yield Finding("leader", True, "a hand carries it: anything with its tag may lead")
+        return
+    keys, limit = setup.keys, scenario.control.speed_limit_mps
+    reach = max(pair.shape.at(0.0).distance for pair in setup.formation.pairs)
+    fastest = keys.speed + reach * keys.turn
+    yield Finding(
+        "leader",
+        fastest <= limit,
+        f"driven by keys at most {keys.speed:g} m/s and {keys.turn:g} rad/s: the farthest camera "
+        f"point, {reach:g} m from its leader, then drives {fastest:.2f} m/s of {limit:g} m/s",
+    )
+
+
+def _plan(scenario: Scenario, setup: Setup, path: Plan) -> Iterator[Finding]:
     """The wanted motion: inside the picture, within the wheels' reach, without contact."""
-    wanted = _wanted_course(setup)
+    wanted = _wanted_course(setup, path)
     corner = _farthest_outside(setup, wanted)
     yield Finding(
         "field of view",
@@ -129,18 +146,18 @@ def _plan(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
     )
 
 
-def _wanted_course(setup: Setup) -> list[Places]:
+def _wanted_course(setup: Setup, path: Plan) -> list[Places]:
     """Where the plan wants every robot, every GRID seconds of the mission."""
     course: list[Places] = []
     for t in np.arange(0.0, setup.duration + GRID, GRID).tolist():
-        course.append(_wanted_places(setup, t, course[-1] if course else setup.starts))
+        lead = path.at(t).state.pose
+        course.append(_wanted_places(setup, lead, t, course[-1] if course else setup.starts))
     return course
 
 
-def _wanted_places(setup: Setup, t: float, before: Places) -> Places:
+def _wanted_places(setup: Setup, lead: Pose2D, t: float, before: Places) -> Places:
     """Every robot where the plan wants it, followers heading as their leaders do."""
-    offset, lead = setup.follower.camera_offset, setup.path.at(t).state.pose
-    return wanted_places(setup.formation, lead, t, before, offset)
+    return wanted_places(setup.formation, lead, t, before, setup.follower.camera_offset)
 
 
 def _farthest_outside(setup: Setup, wanted: list[Places]) -> float:

@@ -10,7 +10,7 @@ from pydantic import Field, field_validator, model_validator
 from control.laws import law_named
 from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
-from pipeline.leader_config import LeaderConfig, ObstacleConfig, StartConfig
+from pipeline.leader_config import LeaderConfig, ObstacleConfig, StartConfig, WayConfig
 from pipeline.palette_config import PaletteConfig
 from pipeline.section import (
     Colour,
@@ -78,7 +78,7 @@ class TagsConfig(Section):
 
 
 class RobotConfig(Section):
-    """One robot: its tag, its drive, and the errors of its model that only the world knows."""
+    """One robot: its tag, its drive, and what only the world knows: its errors, who carries it."""
 
     id: Identifier
     pattern: Identifier | None = None
@@ -91,6 +91,7 @@ class RobotConfig(Section):
     inertia_error: SignedFraction = 0.0
     disturbance_mps2: NonNegative = 0.0
     turn_disturbance_radps2: NonNegative = 0.0
+    carried: WayConfig | None = None
 
 
 class ControlConfig(Section):
@@ -157,6 +158,7 @@ class SafetyConfig(Section):
     camera_silent_s: Positive = 0.2
     good_frames_s: NonNegative = 1.0
     give_up_s: Positive = 10.0
+    hold: bool = False
     drive_ambiguous: bool = False
     clearance_m: NonNegative = 0.02
     approach_rate_per_s: Positive = 8.0

@@ -1,6 +1,6 @@
 """The leader's way: arcs and lines as the scenario gives them, or planned among obstacles."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import hypot, pi, radians, sqrt
 
 from control.command import RobotId
@@ -15,7 +15,7 @@ from control.planner import plan
 from control.safety import Arena
 from control.unicycle import UnicycleState
 from pipeline.config import Scenario
-from pipeline.leader_config import LeaderConfig, SegmentConfig
+from pipeline.leader_config import LeaderConfig, SegmentConfig, StartConfig
 
 FEEDBACK = 0.9  # of the wheels' speed that a plan may use: the rest is for the laws
 ACCURACY = 0.02  # to which a formation follows its plan, alpha of (9) [m]
@@ -24,7 +24,7 @@ STEEPEST = 1.5  # of a smooth ramp, over its mean
 
 def make_path(
     scenario: Scenario, leader: LeaderConfig, formation: Formation, arena: Arena, side: float
-) -> Plan:
+) -> Plan | None:
     """The leader's plan.
 
     Args:
@@ -35,19 +35,41 @@ def make_path(
         side: of the square bodies [m].
 
     Returns:
-        The plan on the mission's clock.
+        The plan on the mission's clock; None if a person drives or carries the leader.
 
     Raises:
         ControlError: if a goal cannot be reached; the message names the key.
     """
-    start = Pose2D(leader.start.x_m, leader.start.y_m, radians(leader.start.theta_deg))
+    start = leader.start
+    if start is None or leader.driven_by != "plan":
+        return None
     if leader.segments is not None:
-        segments = tuple(_segment(segment) for segment in leader.segments)
-        return PlannedPath(start, segments, leader.speed_mps, leader.start.v_mps, leader.ramp_s)
+        return path_of(leader.segments, start, leader.speed_mps, leader.ramp_s)
     try:
-        return plan(_request(scenario, leader, formation, arena, side))
+        return plan(_request(scenario, leader, start, formation, arena, side))
     except ControlError as error:
         raise ControlError(f"leader.goal: {error}") from None
+
+
+def path_of(
+    segments: Sequence[SegmentConfig], start: StartConfig, speed: float, ramp: float
+) -> PlannedPath:
+    """A path of arcs and lines.
+
+    Args:
+        segments: of the scenario.
+        start: where it begins, and how fast.
+        speed: along it [m/s].
+        ramp: how long speeding up and slowing down take [s].
+
+    Returns:
+        The path, on a clock that is 0 at its start.
+
+    Raises:
+        ControlError: if it cannot be driven so.
+    """
+    pose = Pose2D(start.x_m, start.y_m, radians(start.theta_deg))
+    return PlannedPath(pose, tuple(map(_segment, segments)), speed, start.v_mps, ramp)
 
 
 def obstacles_of(scenario: Scenario) -> tuple[Obstacle, ...]:
@@ -88,10 +110,15 @@ def wanted_places(
 
 
 def _request(
-    scenario: Scenario, leader: LeaderConfig, formation: Formation, arena: Arena, side: float
+    scenario: Scenario,
+    leader: LeaderConfig,
+    start: StartConfig,
+    formation: Formation,
+    arena: Arena,
+    side: float,
 ) -> PlanRequest:
     """To a standstill at the goal, with room for the shape at first and the shape at last."""
-    c, start, goal = scenario.control, leader.start, leader.goal
+    c, goal = scenario.control, leader.goal
     assert goal
     d, lead = c.camera_offset_m, Pose2D(0.0, 0.0, 0.0)
     shapes = [wanted_places(formation, lead, t, {}, d) for t in (0.0, scenario.duration_s)]

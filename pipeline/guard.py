@@ -22,6 +22,7 @@ class SafetyRules:
         camera_silent: without a frame all stop after this [s].
         good_frames: frames must come steadily for this long before motion resumes [s].
         give_up: when the whole formation has stood for this long, the run ends [s].
+        hold: motion begins, and resumes, only when a person arms it.
         drive_ambiguous: robots that may be another one with the same tag are driven, too.
     """
 
@@ -30,6 +31,7 @@ class SafetyRules:
     camera_silent: float = 0.2
     good_frames: float = 1.0
     give_up: float = 10.0
+    hold: bool = False
     drive_ambiguous: bool = False
 
 

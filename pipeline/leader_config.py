@@ -1,13 +1,15 @@
-"""The sections [leader] and [[obstacles]] of a scenario: where the formation goes."""
+"""The sections [leader] and [[obstacles]] of a scenario: where the formation goes, and who says."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from control.laws import leader_law_named
-from pipeline.section import Finite, Positive, Section, known
+from pipeline.section import Finite, NonNegative, Positive, Section, known
 
 LeaderLawName = Annotated[str, known(leader_law_named)]
+Driver = Literal["plan", "keys", "hand"]
+"""Who moves the leader: its law along a plan, a person at the keys, or a hand that carries it."""
 
 
 class StartConfig(Section):
@@ -35,6 +37,15 @@ class SegmentConfig(Section):
         return self
 
 
+class WayConfig(Section):
+    """A way on the floor, by segments, from a standstill to a standstill."""
+
+    segments: tuple[SegmentConfig, ...] = Field(min_length=1)
+    speed_mps: Positive = 0.5
+    ramp_s: Positive = 1.0
+    begins_s: NonNegative = 0.0
+
+
 class GoalConfig(Section):
     """Where a planned way ends, at a standstill."""
 
@@ -57,11 +68,14 @@ class LeaderConfig(Section):
     """The way of the formation's leader, by segments or planned to a goal, and its tracking law.
 
     A planned way is driven at `speed_mps` at most; `ramp_s` from there to a standstill is its limit
-    of acceleration.
+    of acceleration. Keys drive at `speed_mps` and `turn_radps` at most, with the same limit; a hand
+    moves the leader as it likes. Neither uses segments or a goal.
     """
 
-    start: StartConfig
+    driven_by: Driver = "plan"
+    start: StartConfig | None = None
     speed_mps: Positive = 0.5
+    turn_radps: Positive = 2.0
     ramp_s: Positive = 1.0
     segments: tuple[SegmentConfig, ...] | None = Field(default=None, min_length=1)
     goal: GoalConfig | None = None
@@ -72,7 +86,11 @@ class LeaderConfig(Section):
     law: LeaderLawName = "sliding"
 
     @model_validator(mode="after")
-    def _segments_or_goal(self) -> Self:
+    def _way_for_a_plan(self) -> Self:
+        if self.driven_by != "plan":
+            return self
         if (self.segments is None) == (self.goal is None):
             raise ValueError("give either segments or goal")
+        if self.start is None:
+            raise ValueError("start is missing: a plan begins there")
         return self

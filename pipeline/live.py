@@ -9,9 +9,11 @@ from time import perf_counter
 from control.command import RobotId
 from datasets.cycle import Moment, RobotState, Tick, Timing
 from pipeline.memory import Memory
-from pipeline.ports import Clock, CommandSink, EndOfStream, FrameSource, Observer
+from pipeline.operators.nobody import Nobody
+from pipeline.ports import Clock, CommandSink, EndOfStream, FrameSource, Observer, Operator
 from pipeline.setup import Setup
 from pipeline.step import step
+from pipeline.supervisor import ENDS
 from pipeline.tracking import find_robots
 from vision.detector import Detector
 from vision.frame import Frame
@@ -19,9 +21,7 @@ from vision.light import Light
 from vision.locate import Prediction
 from vision.scene import Scene
 
-ENDS = ("finished", "stopped")
-"""Phases after which there is no further cycle."""
-
+NOBODY: tuple[RobotId, ...] = ()
 Truth = Callable[[], tuple[RobotState, ...]]
 
 
@@ -44,6 +44,7 @@ class Rig:
         clock: the time both share.
         truth: true states of the robots at the present tick.
         observers: who learns of every cycle, in this order.
+        operator: the person at the controls.
     """
 
     source: FrameSource
@@ -51,11 +52,13 @@ class Rig:
     clock: Clock
     truth: Truth = nobody_knows
     observers: Sequence[Observer] = field(default_factory=tuple)
+    operator: Operator = field(default_factory=Nobody)
 
     def close(self) -> None:
         """Release everything; the radio first, which sends stop. Safe to call twice."""
         self.sink.close()
         self.source.close()
+        self.operator.close()
         for observer in self.observers:
             observer.close()
 
@@ -106,7 +109,7 @@ def run(
         interrupted: asked once a tick.
 
     Returns:
-        Why it ended: "finished", "stopped" (by the safety rules), "time", "frames ended" or
+        Why it ended: "finished", "given-up" (by the safety rules), "time", "frames ended" or
         "interrupted".
 
     Raises:
@@ -131,34 +134,42 @@ def _turn(
 ) -> str:
     """Tick after tick; a tick that is late is not made up for, the next one keeps the beat."""
     memory, origin, count = Memory(), rig.clock.now(), 0
-    lost: tuple[RobotId, ...] = ()
+    due, lost = origin, NOBODY
     while not interrupted():
         now = rig.clock.now()
         if duration is not None and now - origin >= duration:
             return "time"
-        try:
-            memory, lost = _tick(setup, rig, memory, now, lost)
-        except EndOfStream:
-            return "frames ended"
+        if memory.t is None or now > memory.t:  # a clock that goes back has nothing new
+            try:
+                tick = _inputs(rig, now, lost)
+            except EndOfStream:
+                return "frames ended"
+            memory, lost = _cycle(setup, rig, memory, tick, now - due)
         if memory.mission.phase in ENDS:
             return memory.mission.phase
         count = max(count + 1, ceil((rig.clock.now() - origin) / period - 0.5))
-        rig.clock.wait_until(origin + count * period)
+        due = origin + count * period
+        rig.clock.wait_until(due)
     return "interrupted"
 
 
-def _tick(
-    setup: Setup, rig: Rig, memory: Memory, now: float, lost: tuple[RobotId, ...]
+def _inputs(rig: Rig, now: float, lost: tuple[RobotId, ...]) -> Tick:
+    """What goes into a cycle; an emergency stop leaves at once."""
+    orders = rig.operator.orders(now)
+    if orders.halt:
+        rig.sink.stop(now)
+    return Tick(now, rig.source.latest(now), lost, orders)
+
+
+def _cycle(
+    setup: Setup, rig: Rig, memory: Memory, tick: Tick, late: float
 ) -> tuple[Memory, tuple[RobotId, ...]]:
-    """Frame, step, commands, observers."""
-    watch = Stopwatch()
-    frame = rig.source.latest(now)
-    start = perf_counter()
-    tick = Tick(now, frame, lost)
+    """Step, commands, observers."""
+    watch, start = Stopwatch(), perf_counter()
     memory, cycle = step(setup, memory, tick, watch.locate)
     decided = perf_counter()
-    lost = rig.sink.send(cycle.commands, now)
-    timing = Timing(watch.elapsed, decided - start, perf_counter() - start)
+    lost = rig.sink.send(cycle.commands, tick.t)
+    timing = Timing(watch.elapsed, decided - start, perf_counter() - start, late)
     moment = Moment(tick, cycle, rig.truth(), timing)
     for observer in rig.observers:
         observer.observe(moment)

@@ -69,13 +69,13 @@ class Mission:
     """How far the run has come.
 
     Attributes:
-        phase: "searching", "watching", "running", "holding", "finished" or "stopped".
+        phase: a state of `pipeline.supervisor`.
         t_start: when the mission's clock stood at 0 [s]; None before the start.
         held: how long the formation has been standing by the safety rules [s].
         glimpses: what was seen while watching.
     """
 
-    phase: str = "searching"
+    phase: str = "idle"
     t_start: float | None = None
     held: float = 0.0
     glimpses: tuple[Glimpse, ...] = ()

@@ -3,7 +3,7 @@
 from typing import Protocol
 
 from control.command import Command, RobotId
-from datasets.cycle import Moment
+from datasets.cycle import Moment, Orders
 from vision.frame import Frame
 
 
@@ -64,6 +64,25 @@ class CommandSink(Protocol):
 
     def close(self) -> None:
         """Release the link. Safe to call twice."""
+        ...
+
+
+class Operator(Protocol):
+    """The person at the controls."""
+
+    def orders(self, now: float) -> Orders:
+        """What is wanted since the last time it was asked.
+
+        Args:
+            now: the moment of the cycle [s].
+
+        Returns:
+            The orders.
+        """
+        ...
+
+    def close(self) -> None:
+        """Give back what was taken, as a terminal. Safe to call twice."""
         ...
 
 

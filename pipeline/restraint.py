@@ -96,7 +96,8 @@ def _apart(
         return twists
     table = np.array([
         (*_state(track.ahead), *_twist(twists.get(robot, NOBODY_DRIVES)),
-         track.estimate.gain.v, track.estimate.gain.omega, _freedom(setup, robot, shares))
+         track.estimate.gain.v, track.estimate.gain.omega,
+         _freedom(setup, robot, shares) if robot in twists else 0.0)
         for robot, track in tracks.items()
     ])  # fmt: skip
     motors = setup.follower.actuation

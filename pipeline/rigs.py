@@ -5,6 +5,7 @@ from math import radians
 
 from control.command import Command, RobotId
 from control.unicycle import UnicycleState
+from datasets.carried import CarriedWay, carried_way
 from datasets.cycle import RobotState
 from datasets.world import Disturbance, RobotPlant, World
 from pipeline.cameras.device import CaptureFormat
@@ -12,6 +13,7 @@ from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
 from pipeline.config import RobotConfig, Scenario
+from pipeline.course import path_of
 from pipeline.errors import ConfigError
 from pipeline.filming import make_delivery, make_renderer
 from pipeline.leader_config import StartConfig
@@ -178,7 +180,17 @@ def _plant(robot: RobotConfig) -> RobotPlant:
     return RobotPlant(
         robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error,
         disturbance=Disturbance(robot.disturbance_mps2, robot.turn_disturbance_radps2),
+        carried=_carried(robot, robot.start),
     )  # fmt: skip
+
+
+def _carried(robot: RobotConfig, start: StartConfig) -> CarriedWay | None:
+    if robot.carried is None:
+        return None
+    way = robot.carried
+    return carried_way(
+        path_of(way.segments, start, 1.0, 0.0), way.speed_mps, way.ramp_s, way.begins_s
+    )
 
 
 def _state(start: StartConfig) -> UnicycleState:

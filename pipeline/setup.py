@@ -15,6 +15,7 @@ from control.estimation import MotionModel, load_filter
 from control.follower import FollowerModel, SlidingGains
 from control.formation import Formation
 from control.geometry import Pose2D
+from control.keyed import KeyDrive
 from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
 from control.motion_model import UNCOMMANDED
@@ -50,7 +51,8 @@ class Setup:
         name: of the scenario.
         seeing: finds the robots.
         formation: who follows whom, in which shape.
-        path: the leader's plan.
+        path: the leader's plan; None: a person moves it.
+        keys: how a person drives it by keys; None: not so. Without path and keys a hand carries it.
         obstacles: that it drives round, where they are at the mission's start.
         gains: law and gains by follower.
         follower: a follower's geometry and motors.
@@ -75,7 +77,8 @@ class Setup:
     name: str
     seeing: Seeing
     formation: Formation
-    path: Plan
+    path: Plan | None
+    keys: KeyDrive | None
     obstacles: tuple[Obstacle, ...]
     gains: Mapping[RobotId, SlidingGains]
     follower: FollowerModel
@@ -166,7 +169,7 @@ def make_scores(setup: Setup) -> Scores:
         Scores without any cycle yet.
     """
     offset, side = setup.follower.camera_offset, setup.tags.tags[0].side
-    return Scores(setup.formation, offset, setup.path, setup.camera, side)
+    return Scores(setup.formation, offset, setup.camera, side)
 
 
 def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
@@ -193,6 +196,7 @@ def _setup(
         seeing=seeing,
         formation=pairs,
         path=make_path(scenario, leader, pairs, arena, side),
+        keys=_keys(leader),
         obstacles=obstacles_of(scenario),
         gains=_gains(scenario, period),
         follower=_follower(scenario),
@@ -263,11 +267,17 @@ def _leader_gains(config: LeaderConfig) -> LeaderGains:
     )  # fmt: skip
 
 
+def _keys(config: LeaderConfig) -> KeyDrive | None:
+    if config.driven_by != "keys":
+        return None
+    return KeyDrive(config.speed_mps, config.turn_radps, config.ramp_s)
+
+
 def _rules(scenario: Scenario) -> SafetyRules:
     s = scenario.safety
     return SafetyRules(
         s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
-        s.drive_ambiguous,
+        s.hold, s.drive_ambiguous,
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from control.command import Command, RobotId
 from control.follower import FollowerMemory, FollowerSample
 from control.formation import Pair, by_follower
+from control.keyed import keyed_step
 from control.leader import LeaderMemory, begin_leader, leader_step
 from control.output import LeaderMotion, follower_output, wanted_output
 from control.plan import PlannedMotion
@@ -27,13 +28,15 @@ class Aim:
     """What is wanted at the moment the commands take effect.
 
     Attributes:
-        planned: motion of the formation's leader.
+        planned: motion of the formation's leader; None without a plan.
+        drive: velocities that a person at the keys wants of it [m/s, rad/s].
         pairs: predicted and wanted relative state of every pair, leaders first.
         shares: of its commanded speed that each robot may drive, 0 to 1.
         rates: h'(0) by follower where the start has measured them.
     """
 
-    planned: PlannedMotion
+    planned: PlannedMotion | None
+    drive: Twist
     pairs: tuple[PairState, ...]
     shares: Mapping[RobotId, float]
     rates: Mapping[RobotId, Vector2]
@@ -72,11 +75,12 @@ def steer(
         dt: since the last sample [s].
 
     Returns:
-        New memories, and the twist of every robot of the formation.
+        New memories, and the twist of every robot of the formation but a leader that is carried.
     """
     root = setup.formation.root
     leader, twist = _lead(setup, laws, aim, tracks[root], dt)
-    twists, given = {root: twist}, {root: leader.acceleration if leader else AT_REST}
+    twists = {} if twist is None else {root: twist}
+    given = {root: leader.acceleration if leader else AT_REST}
     followers: dict[RobotId, FollowerMemory] = {}
     for robot, pairs in by_follower(aim.pairs).items():
         sample = follower_sample(
@@ -145,15 +149,18 @@ def _pair_state(
 
 def _lead(
     setup: Setup, laws: Laws, aim: Aim, track: Track, dt: float
-) -> tuple[LeaderMemory | None, Twist]:
-    """The leader's sample, from a memory that begins when there is none."""
+) -> tuple[LeaderMemory | None, Twist | None]:
+    """The leader's sample, from a memory that begins when there is none; no twist if carried."""
+    motors, gain = setup.follower.actuation, track.estimate.gain
+    if aim.planned is None and setup.keys is None:
+        return None, None
     if aim.shares[setup.formation.root] == 0.0:
         return None, STANDSTILL
+    if setup.keys:
+        return keyed_step(track.ahead, aim.drive, dt, setup.keys, motors, gain)
+    assert aim.planned
     memory = laws.leader or begin_leader(track.ahead, aim.planned, setup.leader_gains)
-    return leader_step(
-        memory, track.ahead, aim.planned, dt, setup.leader_gains, setup.follower.actuation,
-        track.estimate.gain,
-    )  # fmt: skip
+    return leader_step(memory, track.ahead, aim.planned, dt, setup.leader_gains, motors, gain)
 
 
 def _follow(

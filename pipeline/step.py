@@ -1,8 +1,8 @@
 """ONE cycle: a tick in, commands out. Pure: the same memory and tick give the same bits.
 
 Read this file first. Each stage is a verb in a room of its own: `tracking` looks, corrects at the
-capture time and predicts; `guard` watches over safety; `mission` keeps the course; `steering` runs
-the laws; `restraint` keeps bodies apart. Live runs and replays turn the same crank.
+capture time and predicts; `guard` says who may move, `supervisor` whether the formation may;
+`steering` runs the laws; `restraint` keeps bodies apart. Live runs and replays turn the same crank.
 """
 
 from control.command import Command
@@ -10,11 +10,12 @@ from datasets.cycle import Cycle, RobotState, Tick
 from pipeline.guard import watch_over
 from pipeline.identity import ambiguous_of, doubts_told
 from pipeline.memory import Laws, Memory
-from pipeline.mission import advance, forget_glimpses, initial_rates, watch
 from pipeline.restraint import restrain
 from pipeline.setup import Setup
-from pipeline.steering import Aim, commands_of, relate, steer
+from pipeline.steering import STANDSTILL, Aim, commands_of, relate, steer
+from pipeline.supervisor import DRIVING, supervise
 from pipeline.tracking import Locate, ahead_of, find_robots, look, remember, without_repeats
+from pipeline.watching import forget_glimpses, initial_rates, watch
 
 NO_COMMANDS: tuple[Command, ...] = ()
 NO_NOTES: tuple[str, ...] = ()
@@ -42,17 +43,19 @@ def step(
         setup.rules, memory.guard, setup.formation, seen, tick, ambiguous_of(tracks)
     )
     mission = watch(setup, memory.mission, scene)
-    mission = advance(setup, mission, tracks, shares, tick, dt)
+    mission, shares, ordered = supervise(setup, mission, tracks, shares, tick, dt)
+    events = (*events, *ordered)
 
     t_effective = tick.t + setup.radio_delay
     tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent
     t_mission = t_effective - (tick.t if mission.t_start is None else mission.t_start)
-    pairs, planned = relate(setup, tracks, t_mission), setup.path.at(t_mission)
+    pairs = relate(setup, tracks, t_mission)
+    planned = setup.path.at(t_mission) if setup.path else None
 
     laws, commands, notes = Laws(), NO_COMMANDS, NO_NOTES
-    if mission.phase in ("running", "holding"):
+    if mission.phase in DRIVING and mission.t_start is not None:
         rates, notes = initial_rates(setup, mission)
-        aim = Aim(planned, pairs, shares, rates)
+        aim = Aim(planned, tick.orders.drive or STANDSTILL, pairs, shares, rates)
         laws, twists = steer(setup, memory.laws, aim, tracks, dt)
         laws, twists, close = restrain(setup, laws, twists, aim, tracks, tick.t, dt)
         events = (*events, *close)

@@ -118,7 +118,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     if why == "interrupted":
         output.say("interrupted: stop was sent to every robot three times")
         raise typer.Exit(INTERRUPTED)
-    if why == "stopped":
+    if why == "given-up":
         output.say(f"safety stop: the formation had to stand for {setup.rules.give_up:g} s")
         raise typer.Exit(SAFETY_STOP)
 

@@ -98,7 +98,7 @@ def _run_once(request: Request, output: Output) -> None:
             for moment in moments_of(experiment, batch):
                 file.observe(moment)
         output.say(f"trajectory: {request.trajectory}")
-    if batch.drawn.timetables[0].end.phase == "stopped":
+    if batch.drawn.timetables[0].end.phase == "given-up":
         raise typer.Exit(SAFETY_STOP)
 
 

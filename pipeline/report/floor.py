@@ -52,10 +52,9 @@ def trajectories(series: Series, setup: Setup) -> "Figure":
 def _draw_plan(axes: "Axes", setup: Setup, series: Series) -> None:
     if not series.started:
         return
-    times = np.arange(0.0, float(series.times[-1]), _PLAN_STEP).tolist()
-    plan = [setup.path.at(t).state for t in times]
-    line = [state.x for state in plan], [state.y for state in plan]
-    axes.plot(*line, color=GREY, lw=1.0, ls=(0, (5, 4)), label="leader's plan", zorder=1)
+    if np.isfinite(series.planned).any():
+        line = series.planned.T
+        axes.plot(*line, color=GREY, lw=1.0, ls=(0, (5, 4)), label="leader's plan", zorder=1)
     turn = np.linspace(0.0, 2.0 * np.pi, 73)
     for o in setup.obstacles:  # where they are at the start
         axes.fill(o.x + o.radius * np.cos(turn), o.y + o.radius * np.sin(turn), color=GREY)

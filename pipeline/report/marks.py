@@ -85,7 +85,7 @@ def marks_of(setup: Setup, settled: Iterable[float | None], until: float) -> Mar
     )
 
 
-def turns(path: Plan, duration: float) -> tuple[Mark, ...]:
+def turns(path: Plan | None, duration: float) -> tuple[Mark, ...]:
     """Turns the leader has planned.
 
     Args:

@@ -28,6 +28,7 @@ class Series:
         times: mission clock at the ticks, shape (N,); from the first tick if it never started [s].
         ahead: mission clock when the commands take effect, shape (N,) [s].
         started: whether there was a mission.
+        planned: the leader's places at `ahead`, shape (N, 2) [m].
         true: true states at `times`, shape (N, R, 5) [m, m, rad, m/s, rad/s].
         believed: predicted states at `ahead`, shape (N, R, 5) [m, m, rad, m/s, rad/s].
         commands: shape (N, R, 2) [m/s, rad/s].
@@ -46,6 +47,7 @@ class Series:
     times: Floats
     ahead: Floats
     started: bool
+    planned: Floats
     true: Floats
     believed: Floats
     commands: Floats
@@ -77,6 +79,7 @@ class Collector:
 
     setup: Setup
     _clock: "array[float]" = field(default_factory=_numbers)
+    _planned: "array[float]" = field(default_factory=_numbers)
     _true: "array[float]" = field(default_factory=_numbers)
     _believed: "array[float]" = field(default_factory=_numbers)
     _commands: "array[float]" = field(default_factory=_numbers)
@@ -97,6 +100,8 @@ class Collector:
         """
         cycle, robots = moment.cycle, self.setup.formation.robots
         self._clock.extend((moment.tick.t, cycle.t_effective))
+        place = cycle.planned and cycle.planned.state
+        self._planned.extend((place.x, place.y) if place else (np.nan, np.nan))
         self._true.extend(_states(moment.truth, robots))
         self._believed.extend(_states(cycle.robots, robots))
         sent = {command.robot_id: command.twist for command in cycle.commands}
@@ -136,6 +141,7 @@ class Collector:
             times=now - start,
             ahead=ahead - start,
             started=self._start is not None,
+            planned=_table(self._planned, 2),
             true=true,
             believed=_table(self._believed, _STATE * len(robots)).reshape(true.shape),
             commands=_table(self._commands, _TWIST * len(robots)).reshape(-1, len(robots), _TWIST),

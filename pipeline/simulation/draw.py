@@ -13,7 +13,6 @@ from control.geometry import Pose2D
 from datasets.motion import moved
 from datasets.plant import TONES, draw_tones
 from datasets.simulation.inputs import Chance, Floats
-from pipeline.mission import initial_rates
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.timetable import (
     HandedFrames,
@@ -21,6 +20,7 @@ from pipeline.simulation.timetable import (
     handed_frames,
     make_timetable,
 )
+from pipeline.watching import initial_rates
 from vision.scene import Detection, PixelPose, Scene
 
 _POSES = 9  # stream of randomness

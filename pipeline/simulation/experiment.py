@@ -9,7 +9,9 @@ import numpy as np
 from control.follower import SlidingGains
 from control.formation import Pair, by_follower
 from control.output import wanted_output
+from control.plan import Plan
 from control.safety import Clearance
+from datasets.scores import planned_before
 from datasets.simulation.inputs import MOST_GAINS, Field, Floats, Gains, Goals, Host, Integers
 from datasets.world import RobotPlant
 from pipeline.config import Scenario
@@ -71,6 +73,7 @@ def make_experiment(
             are of more kinds than fit.
     """
     setup = make_setup(scenario, seeing)
+    path = _plan_of(scenario, setup)
     everybody = {plant.robot_id: plant for plant in make_world(scenario).plants}
     plants = tuple(everybody[robot] for robot in setup.formation.robots)
     last = duration if duration is not None else setup.duration + PATIENCE
@@ -79,10 +82,22 @@ def make_experiment(
         setup.period, setup.radio_delay, setup.follower, setup.leader_gains, setup.motion,
         setup.free_motion, setup.clearance or Clearance(), setup.arena,
     )  # fmt: skip
-    field = _field(scenario, setup, plants, kinds)
+    field = _field(scenario, setup, path, plants, kinds)
     ticks = ceil(last / setup.period - 1e-9)
     return Experiment(
-        scenario, setup, plants, host, _gains(setup, kinds), field, _goals(setup), ticks
+        scenario, setup, plants, host, _gains(setup, kinds), field, _goals(setup, path), ticks
+    )
+
+
+def _plan_of(scenario: Scenario, setup: Setup) -> Plan:
+    carried = [robot.id for robot in scenario.robots if robot.carried]
+    if setup.path is not None and not carried and not setup.rules.hold:
+        return setup.path
+    who = f"robot {carried[0]} is carried" if carried else "a person drives the leader"
+    who = "a person must arm it (safety.hold)" if setup.rules.hold else who
+    raise ConfigError(
+        f"scenario {setup.name}: {who}, and simulate knows laws and plans only; run it with "
+        "echelon live"
     )
 
 
@@ -97,7 +112,11 @@ def _gains(setup: Setup, kinds: Sequence[SlidingGains]) -> Gains:
 
 
 def _field(
-    scenario: Scenario, setup: Setup, plants: Sequence[RobotPlant], kinds: Sequence[SlidingGains]
+    scenario: Scenario,
+    setup: Setup,
+    path: Plan,
+    plants: Sequence[RobotPlant],
+    kinds: Sequence[SlidingGains],
 ) -> Field:
     robots = setup.formation.robots
     measured = np.diag(_pose_std(scenario) ** 2)
@@ -108,7 +127,7 @@ def _field(
         gains=np.array([kinds.index(setup.gains[robot]) for robot in robots]),
         told=np.full(len(robots), setup.leader_commands_known),
         freedoms=_freedoms(setup),
-        planned=_planned(setup),
+        planned=_planned(setup, path),
         wanted=_wanted(setup),
         pose_noise=np.stack((measured, measured + setup.pose_noise)),
     )
@@ -119,7 +138,7 @@ def _freedoms(setup: Setup) -> Floats:
     return np.array((LEADER_FREEDOM, *followers)) * (setup.clearance is not None)
 
 
-def _goals(setup: Setup) -> Goals:
+def _goals(setup: Setup, path: Plan) -> Goals:
     groups = by_follower(setup.formation.pairs)
     times = _times(setup)
     wanted = np.full((len(times), len(setup.formation.robots), 2, 2), np.nan)
@@ -130,8 +149,9 @@ def _goals(setup: Setup) -> Goals:
             wanted[:, robot, which] = [(shape.distance, shape.bearing) for shape in shapes]
         changes = [t for pair in pairs for t in pair.shape.changes]
         settles_by[robot] = min((t for t in changes if t > 0.0), default=inf)
-    states = [setup.path.at(t).state for t in times]
-    planned = np.array([(state.x, state.y) for state in states])
+    delay = setup.radio_delay
+    poses = [planned_before(path.at(t + delay).state, delay) for t in times]
+    planned = np.array([(pose.x, pose.y) for pose in poses])
     d, side = setup.follower.camera_offset, setup.tags.tags[0].side
     return Goals(setup.period, planned, wanted, _leaders(setup), settles_by, d, side)
 
@@ -149,9 +169,9 @@ def _leaders(setup: Setup) -> Integers:
     return leaders
 
 
-def _planned(setup: Setup) -> Floats:
+def _planned(setup: Setup, path: Plan) -> Floats:
     """The leader's plan when commands take effect, (M, 7)."""
-    rows = [setup.path.at(t + setup.radio_delay) for t in _times(setup)]
+    rows = [path.at(t + setup.radio_delay) for t in _times(setup)]
     return np.array([
         (p.state.x, p.state.y, p.state.theta, p.state.v, p.state.omega, p.v_rate, p.omega_rate)
         for p in rows

@@ -9,7 +9,7 @@ from datasets.cycle import Cycle, Moment, PairState, RobotState, Tick, Timing
 from datasets.simulation.inputs import Floats
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.runs import Batch
-from pipeline.simulation.timetable import DRIVING
+from pipeline.supervisor import DRIVING
 
 _NO_TIME = Timing(0.0, 0.0, 0.0)
 

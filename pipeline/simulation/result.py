@@ -14,10 +14,10 @@ from datasets.scores import FollowerScore, LeaderScore
 from datasets.sightings import Sighted
 from datasets.simulation.inputs import Floats
 from datasets.truth import RunResult
-from pipeline.mission import initial_rates
 from pipeline.restraint import CALM, kept_event
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.runs import Batch, Scored
+from pipeline.watching import initial_rates
 
 FIGURES = (
     "distance_rms_m", "distance_max_m", "bearing_rms_rad", "bearing_max_rad", "settled_at_s",
@@ -109,7 +109,7 @@ def point_of(experiment: Experiment, swept: dict[str, str], scored: Sequence[Sco
         leader=_spread(np.concatenate([some.figures.leader for some in scored])),
         clearance=_spread(np.concatenate([some.figures.clearance for some in scored]), True),
         kept_apart=sum(int(some.kept.sum()) for some in scored),
-        stopped=sum(table.end.phase == "stopped" for table in tables),
+        stopped=sum(table.end.phase == "given-up" for table in tables),
         steps=sum(table.ticks for table in tables),
     )
 

@@ -1,7 +1,7 @@
 """When frames arrive in a run, and what mission and safety rules make of that.
 
 All robots are in every frame, so neither depends on how the robots drive: the rules themselves
-(`pipeline/guard.py`, `pipeline/mission.py`) decide before the machine code starts.
+(`pipeline/guard.py`, `pipeline/supervisor.py`) decide before the machine code starts.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,15 +17,12 @@ from datasets.cycle import SafetyEvent, Tick
 from datasets.simulation.inputs import Floats, Integers
 from pipeline.filming import make_delivery
 from pipeline.guard import GuardMemory, watch_over
-from pipeline.live import ENDS
 from pipeline.memory import Mission, Track
-from pipeline.mission import advance, watch
 from pipeline.simulation.experiment import Experiment
+from pipeline.supervisor import DRIVING, ENDS, supervise
+from pipeline.watching import watch
 from vision.frame import as_frame
 from vision.scene import Scene
-
-DRIVING = ("running", "holding")
-"""Phases in which commands are sent."""
 
 _SLACK = 1e-9  # a frame is not missed for the rounding of its time [s]
 _PICTURE = as_frame(np.zeros((1, 1, 3), np.uint8), 0.0, 0)
@@ -129,7 +126,7 @@ def make_timetable(experiment: Experiment, frames: HandedFrames, glimpses: Glimp
             seen = dict.fromkeys(setup.formation.robots, float(frames.stamps[handed[number]]))
         guard, shares, told = watch_over(setup.rules, guard, setup.formation, seen, tick)
         mission = watch(setup, mission, scene)
-        mission = advance(setup, mission, _tracks(seen), shares, tick, period)
+        mission, shares, _ = supervise(setup, mission, _tracks(seen), shares, tick, period)
         phases.append(mission.phase)
         rows.append((_mission_tick(mission, tick.t, period), shares[setup.formation.root]))
         events += told

@@ -99,6 +99,7 @@ def _follow(setup: Setup, pair: Pair, case: _Case, period: float) -> list[Vector
     state = UnicycleState(start.x, start.y, start.theta, 0.0, 0.0)
     memory: FollowerMemory | None = None
     errors = []
+    assert setup.path, "the paper's scenario has a plan"
     for i in range(round(setup.duration / period)):
         leader = setup.path.at(i * period).state
         relative = relative_state(leader.pose, state.pose, model.camera_offset)

@@ -21,8 +21,8 @@ def stage_of(setup: Setup) -> Stage:
         Its fixed things, robots in the order of the formation.
     """
     times = np.arange(0.0, setup.duration + _STEP, _STEP).tolist()
-    states = [setup.path.at(t).state for t in times]
-    path = np.array([(state.x, state.y) for state in states])
+    states = [setup.path.at(t).state for t in times] if setup.path else []
+    path = np.array([(state.x, state.y) for state in states]).reshape(-1, 2)
     order = setup.formation.robots
     tags = sorted(
         setup.tags.tags, key=lambda tag: order.index(tag.robot_id) if tag.robot_id in order else 99

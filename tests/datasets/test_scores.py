@@ -57,7 +57,7 @@ def run(
     with_truth: bool = True, shift: float = 0.0004, start: float | None = START, ticks: int = 500
 ) -> RunResult:
     """Five seconds: 50 mm too far at first, 1 mm and 0.02 rad off after 2 s of the mission."""
-    scores = Scores(FORMATION, D, PATH, CAMERA, 0.075)
+    scores = Scores(FORMATION, D, CAMERA, 0.075)
     for k in range(ticks):
         t = 0.01 * k
         true = states(t, 0.001 if t > START + 2.0 else 0.05, 0.02)
@@ -68,7 +68,8 @@ def run(
         events = (SafetyEvent(t, "robot-lost", 2, "for 0.3 s"),) if k == 100 else ()
         commands = (Command(2, Twist(0.0, 0.0), t, t + 0.1),)
         t_start = start if start is not None and t >= start else None
-        cycle = Cycle(t, t, "running", t_start, scene, true, (), None, commands, events)
+        planned = None if t_start is None else PATH.at(t - t_start)
+        cycle = Cycle(t, t, "running", t_start, scene, true, (), planned, commands, events)
         scores.observe(
             Moment(Tick(t), cycle, true if with_truth else (), Timing(0.0002, 0.0005, 0.0006))
         )

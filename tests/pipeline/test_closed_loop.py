@@ -73,7 +73,7 @@ def test_robots_that_already_move_are_engaged_without_a_bump() -> None:
     distance, bearing = worst(result)
     assert distance <= 3.0
     assert bearing <= 1.5
-    assert [m.cycle.phase for m in moments[:40:39]] == ["searching", "watching"]
+    assert [m.cycle.phase for m in moments[:40:39]] == ["idle", "armed"]
     engaged = next(m for m in moments if m.cycle.notes)
     assert 0.5 <= engaged.tick.t <= 0.6
     for pair, note in zip(setup.formation.pairs, engaged.cycle.notes, strict=True):

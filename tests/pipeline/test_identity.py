@@ -95,7 +95,7 @@ def test_look_alikes_begin_at_their_starts_without_doubt(alike: str) -> None:
 def test_away_from_their_starts_they_are_doubted_and_nothing_is_driven(alike: str) -> None:
     elsewhere = {**PLACES, 2: (0.2, 0.8, 2.0), 3: (1.0, 0.2, 1.0)}
     stage = Stage(alike)
-    assert stage.watch(elsewhere, 5).phase == "searching"
+    assert stage.watch(elsewhere, 5).phase == "idle"
     assert [note.split(": ")[1][:22] for note in stage.notes] == [
         "robot 2 may be 3, whic", "robot 3 may be 2, whic"]  # fmt: skip
     driven = Stage(alike, ("safety.drive_ambiguous=true",))

@@ -56,7 +56,7 @@ def record(path: Path, run: Iterable[Moment], name: str = "a <b> & c") -> Path:
 def blind(moment: Moment) -> Moment:
     """The same moment when nothing is known: no truth, no robot, no mission."""
     scene = None if moment.cycle.scene is None else Scene(moment.cycle.scene.t_capture, ())
-    cycle = replace(moment.cycle, phase="searching", t_start=None, scene=scene, robots=(), pairs=(),
+    cycle = replace(moment.cycle, phase="idle", t_start=None, scene=scene, robots=(), pairs=(),
                     planned=None, commands=(), events=())  # fmt: skip
     return replace(moment, cycle=cycle, truth=())
 

@@ -93,7 +93,7 @@ def by_turns(robot: int, i: int) -> bool:
 
 def test_nobody_is_engaged_who_was_not_seen_together(setup: Setup) -> None:
     course = watch(setup, by_turns, 90)
-    assert {cycle.phase for _, cycle in course[2:]} == {"watching"}
+    assert {cycle.phase for _, cycle in course[2:]} == {"armed"}
 
 
 def test_a_few_sightings_are_no_rate(setup: Setup) -> None:

@@ -1,4 +1,4 @@
-"""The course of a run: search, watch, run, hold, finish; and the mission's clock."""
+"""Moving robots are watched before the start, for the initial rates (Assumption 5, Remark 5)."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -9,44 +9,11 @@ from control.differentiator import unwrapped
 from control.formation import by_follower
 from control.initial_rate import MIN_SAMPLES, InitialRate, initial_rate
 from control.relative import Vector2, relative_state
-from datasets.cycle import Tick
-from pipeline.memory import Glimpse, Mission, Track
+from pipeline.memory import Glimpse, Mission
 from pipeline.setup import Setup
 from vision.scene import Scene
 
 JERK, TURN_JERK = 1.0, 3.0  # bounds of the third derivatives while watching [m/s^3, rad/s^3]
-
-
-def advance(
-    setup: Setup,
-    mission: Mission,
-    tracks: Mapping[RobotId, Track],
-    shares: Mapping[RobotId, float],
-    tick: Tick,
-    dt: float,
-) -> Mission:
-    """Move the mission on by one tick.
-
-    Args:
-        setup: formation, start-up rules, duration.
-        mission: so far.
-        tracks: robots seen so far.
-        shares: of its speed that each robot may drive, from the safety rules.
-        tick: the present inputs.
-        dt: since the last tick [s].
-
-    Returns:
-        The mission now. Its clock stands still while the formation's leader must stand.
-    """
-    if mission.t_start is None:
-        return _before_start(setup, mission, tracks, tick)
-    if shares[setup.formation.root] == 0.0:
-        held = mission.held + dt
-        phase = "holding" if held < setup.rules.give_up else "stopped"
-        return replace(mission, phase=phase, t_start=mission.t_start + dt, held=held)
-    if tick.t - mission.t_start >= setup.duration:
-        return replace(mission, phase="finished")
-    return mission if mission.phase == "running" else replace(mission, phase="running", held=0.0)
 
 
 def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
@@ -60,7 +27,7 @@ def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
     Returns:
         The mission, with one more glimpse if it is watching and every robot was seen.
     """
-    if mission.phase != "watching" or scene is None:
+    if mission.phase != "armed" or not setup.watch_time or scene is None:
         return mission
     seen = {d.robot_id: d.pose for d in scene.detections}
     if any(robot not in seen for robot in setup.formation.robots):
@@ -72,6 +39,25 @@ def watch(setup: Setup, mission: Mission, scene: Scene | None) -> Mission:
     distances, bearings = tuple(r.distance for r in states), tuple(r.bearing for r in states)
     glimpse = Glimpse(scene.t_capture, distances, bearings)
     return replace(mission, glimpses=(*mission.glimpses, glimpse))
+
+
+def watched(setup: Setup, mission: Mission, t: float) -> bool:
+    """Whether all robots were seen together often enough, for long enough, and until lately.
+
+    Args:
+        setup: start-up rules.
+        mission: with the glimpses so far.
+        t: now [s].
+
+    Returns:
+        True if the rates can be told; also where nobody is to be watched.
+    """
+    if not setup.watch_time:
+        return True
+    times = [glimpse.t for glimpse in mission.glimpses]
+    if len(times) < MIN_SAMPLES:
+        return False
+    return t - times[0] >= setup.watch_time and t - times[-1] < setup.rules.slow_after
 
 
 def initial_rates(
@@ -109,35 +95,6 @@ def forget_glimpses(mission: Mission) -> Mission:
         The mission without glimpses.
     """
     return replace(mission, glimpses=()) if mission.glimpses else mission
-
-
-def _before_start(
-    setup: Setup, mission: Mission, tracks: Mapping[RobotId, Track], tick: Tick
-) -> Mission:
-    """Wait until every robot of the formation is in sight and known, then watch, then start."""
-    fresh = setup.rules.slow_after
-    in_sight = all(
-        robot in tracks
-        and tick.t - tracks[robot].estimate.t < fresh
-        and (setup.rules.drive_ambiguous or not tracks[robot].ambiguous)
-        for robot in setup.formation.robots
-    )
-    if not in_sight:
-        return Mission()
-    if setup.watch_time:
-        if mission.phase != "watching":
-            return Mission("watching")
-        if not _watched(setup, mission, tick.t):
-            return mission
-    return replace(mission, phase="running", t_start=tick.t)
-
-
-def _watched(setup: Setup, mission: Mission, t: float) -> bool:
-    """Whether all robots were seen together often enough, for long enough, and until lately."""
-    times = [glimpse.t for glimpse in mission.glimpses]
-    if len(times) < MIN_SAMPLES:
-        return False
-    return t - times[0] >= setup.watch_time and t - times[-1] < setup.rules.slow_after
 
 
 def _rates(mission: Mission, index: int) -> tuple[InitialRate, InitialRate]:
