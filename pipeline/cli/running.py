@@ -95,7 +95,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     scenario = _scenario(request)
     require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
-    with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
+    with interruption() as interrupted, closing(connect(scenario, *spec, interrupted)) as rig:
         scenario = paced(scenario, rig.sink.min_period, output)
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)

@@ -8,9 +8,8 @@ from datasets.world import RobotPlant, World
 from pipeline.clock import MonotonicClock
 from pipeline.errors import ConfigError, RadioError
 from pipeline.radios.budget import Budget
-from pipeline.radios.miabot import MiabotSettings
 from pipeline.radios.none import NoRadio
-from pipeline.radios.open import open_radio
+from pipeline.radios.open import RadioSettings, open_radio
 from pipeline.radios.simulated import MESSAGE_SIZE, SimulatedRadio
 
 CLOCK = MonotonicClock()
@@ -117,7 +116,7 @@ def test_budget_spaces_messages_without_bursts() -> None:
 
 
 def test_no_radio_shows_and_sends_nothing() -> None:
-    radio = open_radio("none", CLOCK, MiabotSettings())
+    radio = open_radio("none", CLOCK, RadioSettings())
     assert isinstance(radio, NoRadio)
     assert radio.send(drive(0.1, 0.0) + drive(float("nan"), 0.0), 0.0) == ()
     assert (radio.shown, radio.screen.refused) == (1, 1)
@@ -145,11 +144,11 @@ def test_no_radio_shows_and_sends_nothing() -> None:
 )
 def test_specs_that_cannot_be_used_are_one_clear_line(spec: str, words: str) -> None:
     with pytest.raises(ConfigError) as caught:
-        open_radio(spec, CLOCK, MiabotSettings(), robots=(1, 2))
+        open_radio(spec, CLOCK, RadioSettings(), robots=(1, 2))
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_a_missing_port_is_named() -> None:
     with pytest.raises(RadioError, match="radio /dev/rfcomm77: cannot open: No such file"):
-        open_radio("miabot:leader=/dev/rfcomm77", CLOCK, MiabotSettings())
+        open_radio("miabot:leader=/dev/rfcomm77", CLOCK, RadioSettings())
