@@ -14,6 +14,7 @@ from pipeline.radios.miabot_line import ask_number
 from pipeline.radios.tcp import TcpLink, reason
 
 AT_ONCE = 16  # callers that are being asked at the same time; further ones are refused
+BACKLOG = 128  # callers that the system keeps until they are looked at
 ALIVE_TIMEOUT = 0.5  # for a robot that drives to show that it is still there [s]
 ARRIVAL_TIMEOUT = 0.1  # how long a sender waits for its robot before it looks up [s]
 TAKEN_TIMEOUT = 5.0  # a link that was let in is served within, also after a failure [s]
@@ -38,19 +39,21 @@ class Reception:
         host, port = parse_address(place)
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         try:
-            self._server = socket.create_server((host, port), family=family, backlog=AT_ONCE)
+            self._server = socket.create_server((host, port), family=family, backlog=BACKLOG)
         except (OSError, UnicodeError) as error:
             raise RadioError(f"radio {place}: cannot listen: {reason(error)}") from error
         self._doors = {robot: _Door() for robot in robots}
         self._asked = threading.BoundedSemaphore(AT_ONCE)
         self._refused: Counter[str] = Counter()
+        self._counting = threading.Lock()
         self._closing = False
         self._answers: Callable[[RobotId, float], bool] = lambda _robot, _timeout: False
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Who was refused, why, and how often."""
-        return tuple(f"refused {count} times: {why}" for why, count in self._refused.items())
+        with self._counting:
+            return tuple(f"refused {count} times: {why}" for why, count in self._refused.items())
 
     def admit(self, answers: Callable[[RobotId, float], bool]) -> None:
         """Begin to let robots in.
@@ -90,11 +93,12 @@ class Reception:
                 connection, address = self._server.accept()
             except OSError:
                 return  # closed
-            link = TcpLink(connection, str(address[0]))
             if self._asked.acquire(blocking=False):
+                link = TcpLink(connection, str(address[0]))
                 threading.Thread(target=self._ask, args=(link,), daemon=True).start()
-            else:
-                self._refuse(link, f"{link.place}: too many callers at once")
+            else:  # without a word: a flood must not hold up the next caller
+                self._count(f"{address[0]}: too many callers at once")
+                connection.close()
 
     def _ask(self, link: TcpLink) -> None:
         try:
@@ -119,11 +123,15 @@ class Reception:
             late.close()
 
     def _refuse(self, link: TcpLink, why: str) -> None:
-        known = why in self._refused or len(self._refused) < REASONS
-        self._refused[why if known else "others"] += 1
+        self._count(why)
         with suppress(RadioError):
             link.write(text.STOP)
         link.close()
+
+    def _count(self, why: str) -> None:
+        with self._counting:
+            known = why in self._refused or len(self._refused) < REASONS
+            self._refused[why if known else "others"] += 1
 
 
 class _Door:

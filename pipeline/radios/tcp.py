@@ -4,6 +4,7 @@ import os
 import socket
 import struct
 import sys
+from collections import deque
 from contextlib import suppress
 from time import monotonic, sleep
 
@@ -18,7 +19,9 @@ except ImportError:  # a system without them: what waits cannot be known there
     fcntl = None  # type: ignore[assignment]
 
 DIAL_TIMEOUT = 3.0  # for a robot to take the call [s]
-MOST_UNDERWAY = 128  # bytes the other end has not confirmed; about ten commands [B]
+# A robot that confirms nothing for so long is gone. Confirmations are put off by up to 0.25 s; what
+# has not arrived after 0.5 s is stale, and the robot has stopped itself [s].
+UNCONFIRMED = 0.5
 _DROP = struct.pack("ii", 1, 0)  # SO_LINGER: on, for no time
 _NAP = 0.001  # between two looks at a busy connection [s]
 # Notice within about 3 s that the other end has vanished without a word.
@@ -42,6 +45,8 @@ class TcpLink:
             place: the other end's address, for messages.
         """
         self._socket, self._place, self._hung_up = connection, place, ""
+        self._written = 0  # bytes so far
+        self._unconfirmed: deque[tuple[int, float]] = deque()  # up to which byte, when [B, s]
         connection.setblocking(False)
         for level, name, value in _OPTIONS:
             if hasattr(socket, name):
@@ -54,23 +59,22 @@ class TcpLink:
         return self._place
 
     def write(self, data: bytes) -> None:
-        """Send all of it, if little is under way.
+        """Send all of it.
 
         Args:
             data: the message.
 
         Raises:
-            RadioError: if the connection is gone or confirms nothing for 0.1 s.
+            RadioError: if the connection is gone, does not take it within 0.1 s, or the other end
+                has confirmed nothing for 0.5 s.
         """
         deadline, view = monotonic() + WRITE_TIMEOUT, memoryview(data)
         try:
-            while view:
-                if self._underway() <= MOST_UNDERWAY:
-                    view = view[self._send(view) :]
-                if view and monotonic() > deadline:
+            self._need_confirmation()
+            while view := view[self._send(view) :]:
+                if monotonic() > deadline:
                     raise RadioError(f"radio {self._place}: takes nothing for {WRITE_TIMEOUT:g} s")
-                if view:
-                    sleep(_NAP)
+                sleep(_NAP)
         except OSError as error:
             raise RadioError(f"radio {self._place}: cannot write: {reason(error)}") from error
 
@@ -81,11 +85,13 @@ class TcpLink:
             At most 4096 bytes, empty if there are none.
 
         Raises:
-            RadioError: if the connection is gone or was hung up.
+            RadioError: if the connection is gone or was hung up, or the other end has confirmed
+                nothing for 0.5 s.
         """
         if self._hung_up:
             raise RadioError(f"radio {self._place}: {self._hung_up}")
         try:
+            self._need_confirmation()
             data = self._socket.recv(READ_AT_ONCE)
         except BlockingIOError:
             return b""
@@ -119,9 +125,20 @@ class TcpLink:
 
     def _send(self, data: memoryview) -> int:
         try:
-            return self._socket.send(data)
+            sent = self._socket.send(data)
         except BlockingIOError:
             return 0
+        self._written += sent
+        self._unconfirmed.append((self._written, monotonic()))
+        return sent
+
+    def _need_confirmation(self) -> None:
+        """Look how old the oldest byte is that the other end has not confirmed."""
+        confirmed = self._written - self._underway()
+        while self._unconfirmed and self._unconfirmed[0][0] <= confirmed:
+            self._unconfirmed.popleft()
+        if self._unconfirmed and monotonic() - self._unconfirmed[0][1] > UNCONFIRMED:
+            raise RadioError(f"radio {self._place}: confirms nothing for {UNCONFIRMED:g} s")
 
     def _underway(self) -> int:
         """Bytes the other end has not confirmed; 0 where the system does not say."""
