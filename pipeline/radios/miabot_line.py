@@ -66,7 +66,8 @@ class MiabotLine:
         """
         self.robot_id, self.port = port.robot_id, port.port
         self._open, self._named, self._settings = port.open, port.named, settings
-        self._clock, self._parser, self._foreign = clock, text.ReplyParser(), 0
+        self._clock, self._parser = clock, text.ReplyParser()
+        self._foreign, self._nonsense = 0, 0
         self._encoders: text.EncoderCounts | None = None
         self.sender = NewestSender(
             LinkSettings(port.port, text.STOP, settings.bytes_per_second, text.WHO_ARE_YOU),
@@ -88,7 +89,7 @@ class MiabotLine:
             sender.up,
             None if sender.error is None else str(sender.error),
             sender.counts,
-            self._parser.garbage,
+            self._parser.garbage + self._nonsense,
             self._foreign,
             sender.questions.tally,
             self._encoders,
@@ -131,12 +132,13 @@ class MiabotLine:
 
     def _hear(self, data: bytes) -> None:
         for reply in self._parser.feed(data):
-            number = text.robot_number(reply)
-            if number is None:
-                self._encoders = text.encoder_counts(reply) or self._encoders
-                continue
-            self.sender.questions.answered(self._clock.now())
-            self._foreign += isinstance(self.robot_id, int) and number != self.robot_id
+            number, encoders = text.robot_number(reply), text.encoder_counts(reply)
+            self._encoders = encoders or self._encoders
+            if number is not None:
+                self.sender.questions.answered(self._clock.now())
+                self._foreign += isinstance(self.robot_id, int) and number != self.robot_id
+            elif encoders is None:
+                self._nonsense += len(reply) + len("<>")
 
 
 def ask_number(link: Link, parser: text.ReplyParser, place: str) -> int:

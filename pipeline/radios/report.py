@@ -68,7 +68,7 @@ class RobotReport:
         up: whether the link is connected.
         error: why not, None if it is.
         counts: what became of the messages; robots on one link share them.
-        garbage: bytes received that were no reply.
+        garbage: bytes received that were no known reply.
         foreign: replies that name another robot.
         round_trip: None where robots do not answer.
         encoders: the latest counts; None where there are none.
