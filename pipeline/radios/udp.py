@@ -8,6 +8,8 @@ from pipeline.radios.address import parse_address
 from pipeline.radios.link import READ_AT_ONCE
 from pipeline.radios.tcp import reason
 
+DATAGRAMS_AT_ONCE = 256  # what is taken in one go, so that a flood never holds up a command
+
 
 class UdpLink:
     """A UDP socket that sends to one address; see Link."""
@@ -46,20 +48,25 @@ class UdpLink:
             raise RadioError(f"radio {self._place}: cannot send: {_refusal(error)}") from error
 
     def read(self) -> bytes:
-        """Take one datagram, without waiting.
+        """Take what has arrived, without waiting.
 
         Returns:
-            At most 4096 bytes of it, empty if there is none.
+            At most 8191 bytes of at most 256 datagrams, empty if there are none.
 
         Raises:
             RadioError: if the other machine refused what was sent.
         """
+        data = b""
         try:
-            return self._socket.recv(READ_AT_ONCE)
+            for _ in range(DATAGRAMS_AT_ONCE):
+                data += self._socket.recv(READ_AT_ONCE)
+                if len(data) >= READ_AT_ONCE:
+                    break
         except BlockingIOError:
-            return b""
+            pass  # that was all
         except OSError as error:
             raise RadioError(f"radio {self._place}: cannot send: {_refusal(error)}") from error
+        return data
 
     def discard(self) -> None:
         """Nothing waits in a UDP socket."""

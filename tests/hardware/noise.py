@@ -12,7 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from control.command import Command
 from control.unicycle import Twist
@@ -31,6 +31,8 @@ SOUND = (
 )  # fmt: skip
 TOKENS = (b"<", b">", b"<test#", b"<: +", b":", b"\x00", b"\xff\xfe", b"\r\n", b"<<", b">>", b"#",
           b"99999999999999999999", b"-", b"nan")  # fmt: skip
+LAST = 1234567890  # ticks that no mutation tells
+BURST = 100  # datagrams that fit into the system's buffer
 LONGEST = 300  # of a mutated message [B]
 
 
@@ -87,38 +89,50 @@ def replies(count: int, seed: int) -> Told:
         seed: of what is malformed.
 
     Returns:
-        What came of it; the radio was still up and answered a sound reply at the end.
+        What came of it, when a sound reply behind all of them was understood.
     """
     rng, clock = random.Random(seed), MonotonicClock()
     with (
         TcpMiabot(Miabot(1), clock=clock.now) as robot,
         _opened(f"miabot-tcp:1={robot.place}", clock) as radio,
     ):
-        told = _drive(radio, clock, count, lambda: mutated(rng), robot.say)
-        before = link_reports(radio)[0].encoders
-        robot.say(b"><: +0000012345:+0000000001>")
-        _wait(lambda: link_reports(radio)[0].encoders not in (None, before))
-        return replace(told, report=link_reports(radio)[0])
+
+        def _say() -> Iterator[int]:
+            for _ in range(count):
+                data = mutated(rng)
+                robot.say(data)
+                yield len(data)
+            robot.say(b"><: %+011d:+0000000001>" % LAST)
+            _wait(lambda: (seen := link_reports(radio)[0].encoders) and seen.left == LAST)
+
+        return _drive(radio, clock, count, _say())
 
 
 def datagrams(count: int, seed: int) -> Told:
     """Let a simulator send malformed datagrams while its robots are driven.
 
     Args:
-        count: of datagrams; the system may drop some on the way.
+        count: of datagrams.
         seed: of what is malformed.
 
     Returns:
-        What came of it.
+        What came of it, when all of them had been read.
     """
     rng, clock = random.Random(seed), MonotonicClock()
     with FiraSim() as simulator, _opened(f"firasim:{simulator.place}", clock) as radio:
         _wait(lambda: simulator.sender)
-        told = _drive(radio, clock, count, lambda: mutated(rng), simulator.say)
-        packets = simulator.packets
-        _command(radio, clock)
-        _wait(lambda: simulator.packets > packets)
-        return replace(told, report=link_reports(radio)[0])
+
+        def _say() -> Iterator[int]:
+            size = 0
+            for n in range(1, count + 1):
+                data = mutated(rng)
+                simulator.say(data)
+                size += len(data)
+                yield len(data)
+                if n % BURST == 0 or n == count:  # else the system drops what it has no room for
+                    _wait(lambda size=size: link_reports(radio)[0].garbage == size)
+
+        return _drive(radio, clock, count, _say())
 
 
 def readings(count: int, seed: int) -> tuple[int, int]:
@@ -142,31 +156,19 @@ def readings(count: int, seed: int) -> tuple[int, int]:
         return simulator.packets, simulator.errors
 
 
-def _drive(
-    radio: CommandSink,
-    clock: MonotonicClock,
-    count: int,
-    make: Callable[[], bytes],
-    say: Callable[[bytes], None],
-) -> Told:
-    """Say all of it from another thread, and command at 100 Hz until it is said."""
-    size = 0
-
-    def _say() -> None:
-        nonlocal size
-        for _ in range(count):
-            data = make()
-            size += len(data)
-            say(data)
-
+def _drive(radio: CommandSink, clock: MonotonicClock, count: int, saying: Iterator[int]) -> Told:
+    """Say all of it from another thread, and command at 100 Hz until it is said and heard."""
+    said: list[int] = []
+    thread = threading.Thread(target=lambda: said.extend((sum(saying),)), daemon=True)
     start, slowest = time.monotonic(), 0.0
-    thread = threading.Thread(target=_say, daemon=True)
     thread.start()
     while thread.is_alive():
         slowest = max(slowest, _command(radio, clock))
         time.sleep(0.01)
+    if not said:
+        raise AssertionError(f"stalled: {link_reports(radio)[0]}")
     seconds = time.monotonic() - start
-    return Told(count, size, slowest, link_reports(radio)[0], seconds)
+    return Told(count, said[0], slowest, link_reports(radio)[0], seconds)
 
 
 def _command(radio: CommandSink, clock: MonotonicClock) -> float:
@@ -179,7 +181,7 @@ def _command(radio: CommandSink, clock: MonotonicClock) -> float:
     return taken
 
 
-def _wait(happened: Callable[[], object], patience: float = 10.0) -> None:
+def _wait(happened: Callable[[], object], patience: float = 60.0) -> None:
     end = time.monotonic() + patience
     while not happened():
         if time.monotonic() > end:

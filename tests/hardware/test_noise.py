@@ -20,7 +20,7 @@ def test_malformed_replies(seed: int) -> None:
     told = noise.replies(2000, seed)
     assert told.report.up
     assert told.report.counts.failures == 0
-    assert told.size // 2 < told.report.garbage <= told.size + 100
+    assert 0.8 * told.size < told.report.garbage < told.size
     assert told.report.foreign > 0
 
 
@@ -28,7 +28,7 @@ def test_malformed_datagrams() -> None:
     told = noise.datagrams(2000, 0)
     assert told.report.up
     assert told.report.counts.failures == 0
-    assert 0 < told.report.garbage <= told.size
+    assert told.report.garbage == told.size
 
 
 @given(st.lists(st.binary(max_size=200) | st.sampled_from(noise.SOUND + noise.TOKENS), max_size=30))
