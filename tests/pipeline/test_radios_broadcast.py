@@ -157,3 +157,19 @@ def test_a_simulator_that_ends_is_lost_and_found_again() -> None:
             assert again.told[0].left == 0.0  # a zero speed comes first
             again.say(b"nothing of this is expected")
             assert until(lambda: link_reports(radio)[0].garbage == 27)
+
+
+@pytest.mark.realtime
+def test_a_stop_ends_commands_that_are_still_valid_and_zero_speeds_are_no_stop() -> None:
+    with FiraSim() as simulator, opened(f"firasim:{simulator.place}", 1, 2) as radio:
+        radio.send((command(1, 0.0), command(2, 0.0)), CLOCK.now())  # the very bytes of a stop
+        assert until(lambda: link_reports(radio)[0].counts.sent == 1)
+        now = CLOCK.now()
+        radio.send((Command(1, Twist(0.1, 0.0), now, now + 9.0),), now)
+        assert until(lambda: simulator.wheels(1) not in (None, STANDING))
+        radio.stop(CLOCK.now())
+        told = len(simulator.told)
+        radio.send((command(2, 0.2),), CLOCK.now())
+        assert until(lambda: simulator.wheels(2) == pytest.approx((0.2 / 0.026,) * 2))
+        assert simulator.wheels(1) == STANDING
+        assert {after.robot for after in simulator.told[told:]} >= {2}

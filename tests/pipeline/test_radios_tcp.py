@@ -109,7 +109,8 @@ def test_replies_of_another_robot_and_garbage_are_counted() -> None:
         assert until(lambda: link_reports(radio)[0].foreign == 2)
         end.say(b"00000001:+0000000002>")
         assert until(lambda: link_reports(radio)[0].encoders)
-        assert link_reports(radio)[0].garbage == len("rubbish")
+        end.say(b"<what is this>")
+        assert until(lambda: link_reports(radio)[0].garbage == len("rubbish<what is this>"))
         assert radio.send((command(),), CLOCK.now()) == ()
 
 
