@@ -17,13 +17,13 @@ from pipeline.config import Scenario
 from pipeline.course import wanted_places
 from pipeline.errors import ConfigError
 from pipeline.finding import Finding
+from pipeline.radio_checks import check_radios
 from pipeline.seeing import Seeing, make_seeing, named_colors
 from pipeline.setup import Setup, build_setup, is_undriven
 from pipeline.tag_checks import check_tags
 
 BODY = 0.075  # side of a robot's body [m]
 LONGEST = {Law.SAMPLED_TWISTING: 0.005, Law.SUBOPTIMAL: 0.010}  # periods seen to work [s]
-MIABOT_LINK, MIABOT_COMMAND = 1150, 12  # bytes a second on a link, bytes of a full command
 GRID = 0.02  # of the walk along the plan [s]
 Places: TypeAlias = Mapping[RobotId, Pose2D]
 
@@ -50,7 +50,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         *certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup),
         *(_plan(scenario, setup, setup.path) if setup.path else _by_hand(scenario, setup)),
         *_seeing(scenario, setup.seeing),
-        _radio(scenario),
+        *check_radios(scenario, setup.formation.robots),
         _safety(scenario),
     )
 
@@ -220,19 +220,6 @@ def _hue_distance(one: tuple[int, int, int], other: tuple[int, int, int]) -> flo
     """Distance of two colours with their brightness taken out."""
     a, b = (np.array(c, float) / max(sum(c), 1) for c in (one, other))
     return float(np.linalg.norm(a - b))
-
-
-def _radio(scenario: Scenario) -> Finding:
-    """Bytes per second and link if the commands went to Miabots."""
-    need = MIABOT_COMMAND / scenario.control.command_period_s
-    fits = need <= MIABOT_LINK
-    return Finding(
-        "radio budget",
-        True,
-        f"a Miabot link carries {MIABOT_LINK} B/s; a command every "
-        f"{1e3 * scenario.control.command_period_s:g} ms would need {need:.0f} B/s"
-        + ("" if fits else "; on such a link commands go out as often as it carries them"),
-    )
 
 
 def _safety(scenario: Scenario) -> Finding:

@@ -12,10 +12,10 @@ from pipeline.camera_config import CameraConfig
 from pipeline.formation_config import FormationConfig
 from pipeline.leader_config import LeaderConfig, ObstacleConfig, StartConfig, WayConfig
 from pipeline.palette_config import PaletteConfig
+from pipeline.radio_config import RadioConfig
 from pipeline.section import (
     Colour,
     Finite,
-    Fraction,
     Identifier,
     NonNegative,
     Period,
@@ -137,17 +137,6 @@ class StartUpConfig(Section):
 
     initial_rates: Literal["rest", "differentiator"] = "rest"
     watch_s: Seconds = 0.5
-
-
-class RadioConfig(Section):
-    """The link to the robots, real or simulated."""
-
-    delay_s: Annotated[float, Field(ge=0, le=1)] = 0.005
-    loss: Fraction = 0.0
-    bandwidth_bytes_per_s: Positive | None = None
-    speed_scale_per_mps: Positive = 1000.0
-    track_width_m: Positive = 0.068
-    timeout_ms: Annotated[int, Field(ge=50, le=5000)] = 300
 
 
 class SafetyConfig(Section):

@@ -19,11 +19,12 @@ from pipeline.filming import make_delivery, make_renderer
 from pipeline.leader_config import StartConfig
 from pipeline.live import Rig
 from pipeline.ports import Clock, CommandSink
-from pipeline.radios.miabot import MiabotSettings
-from pipeline.radios.miabot_text import Drive
+from pipeline.radio_config import radio_settings
 from pipeline.radios.none import NoRadio
 from pipeline.radios.open import open_radio
-from pipeline.radios.simulated import SimulatedRadio
+from pipeline.radios.simulated import Copies, SimulatedRadio
+
+Interrupted = Callable[[], bool]
 
 
 class Tee:
@@ -73,7 +74,12 @@ class Tee:
 
 
 def connect(
-    scenario: Scenario, camera: str, radio: str | None, seed: int = 0, fast: bool = False
+    scenario: Scenario,
+    camera: str,
+    radio: str | None,
+    seed: int = 0,
+    fast: bool = False,
+    interrupted: Interrupted = lambda: False,
 ) -> Rig:
     """Open what the two SPECs name.
 
@@ -83,6 +89,7 @@ def connect(
         radio: SPEC of the radio; None: simulated with the rendered camera, none with others.
         seed: of the rendered world.
         fast: whether time jumps instead of passing; rendered camera only.
+        interrupted: asked while robots are waited for.
 
     Returns:
         The rig, everything open, without observers.
@@ -91,9 +98,10 @@ def connect(
         ConfigError: if the SPECs do not fit each other.
         CameraError: if the camera cannot be opened.
         RadioError: if the radio cannot be opened.
+        KeyboardInterrupt: if the wait for robots was interrupted.
     """
     if camera == "rendered":
-        return _rendered(scenario, radio or "simulated", seed, fast)
+        return _rendered(scenario, radio or "simulated", seed, fast, interrupted)
     if fast:
         raise ConfigError("--fast needs the rendered camera: a real one has its own time")
     if radio == "simulated":
@@ -101,7 +109,7 @@ def connect(
     clock = MonotonicClock()
     c = scenario.camera
     request = CameraRequest(c.latency_s, CaptureFormat((c.width_px, c.height_px), c.fps))
-    sink = _real_radio(scenario, radio or "none", clock)
+    sink = _real_radio(scenario, radio or "none", clock, interrupted)
     try:
         return Rig(open_camera(camera, clock, request), sink, clock)
     except Exception:
@@ -147,14 +155,16 @@ def make_rendered_camera(
     return RenderedCamera(world, renderer, c.fps, c.latency_s, duration, delivery)
 
 
-def _rendered(scenario: Scenario, radio: str, seed: int, fast: bool) -> Rig:
+def _rendered(
+    scenario: Scenario, radio: str, seed: int, fast: bool, interrupted: Interrupted
+) -> Rig:
     world = make_world(scenario, seed)
     clock: Clock = VirtualClock() if fast else MonotonicClock()
     sink: CommandSink = _simulated_radio(scenario, world, seed)
     if radio == "none":
         sink = NoRadio()
     elif radio != "simulated":
-        sink = Tee(sink, _real_radio(scenario, radio, clock))
+        sink = Tee(sink, _real_radio(scenario, radio, clock, interrupted))
     camera = make_rendered_camera(scenario, world, seed)
     truth: Callable[[], tuple[RobotState, ...]] = world.truth
     return Rig(camera, sink, clock, truth)
@@ -162,16 +172,15 @@ def _rendered(scenario: Scenario, radio: str, seed: int, fast: bool) -> Rig:
 
 def _simulated_radio(scenario: Scenario, world: World, seed: int) -> SimulatedRadio:
     r = scenario.radio
-    return SimulatedRadio(world, r.delay_s, r.loss, r.bandwidth_bytes_per_s, seed)
+    copies = Copies(r.duplication, r.duplicate_delay_s)
+    return SimulatedRadio(world, r.delay_s, r.loss, r.bandwidth_bytes_per_s, seed, copies)
 
 
-def _real_radio(scenario: Scenario, spec: str, clock: Clock) -> CommandSink:
-    if spec == "none":
-        return NoRadio()
-    r = scenario.radio
-    drive = Drive(r.speed_scale_per_mps, r.track_width_m)
+def _real_radio(
+    scenario: Scenario, spec: str, clock: Clock, interrupted: Interrupted
+) -> CommandSink:
     robots = tuple(robot.id for robot in scenario.robots)
-    return open_radio(spec, clock, MiabotSettings(drive, r.timeout_ms), robots)
+    return open_radio(spec, clock, radio_settings(scenario.radio), robots, interrupted)
 
 
 def _plant(robot: RobotConfig) -> RobotPlant:

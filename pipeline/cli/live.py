@@ -17,7 +17,8 @@ def live(
         str | None,
         typer.Option(
             metavar="SPEC",
-            help="simulated, miabot:ID=PORT,..., or none. "
+            help="simulated, none, miabot:ID=PORT,..., miabot-tcp:ID=HOST:PORT,..., "
+            "miabot-tcp-listen:HOST:PORT, vsss:PORT, or firasim:HOST:PORT. "
             "Default: simulated with the rendered camera, none with any other.",
         ),
     ] = None,
@@ -33,6 +34,7 @@ def live(
     view: options.View = "none",
     report: options.ReportFolder = None,
     trajectory: options.Trajectory = None,
+    publish: options.Publish = None,
     command_period: options.CommandPeriod = None,
     overrides: options.Overrides = None,
     json: options.Json = False,
@@ -48,4 +50,4 @@ def live(
     request = Request(
         scenario, camera, radio, duration, fast, seed, command_period, tuple(overrides or ())
     )
-    run_live(request, Outputs(record, view, report, trajectory), Output(json))
+    run_live(request, Outputs(record, view, report, trajectory, publish), Output(json))

@@ -40,6 +40,14 @@ Trajectory = Annotated[
     Path | None,
     typer.Option("--trajectory", metavar="FILE", help="Write a CSV: states, commands, errors."),
 ]
+Publish = Annotated[
+    str | None,
+    typer.Option(
+        "--publish",
+        metavar="SPEC",
+        help="Send detections to other programs: ssl-vision (multicast) or ssl-vision:HOST:PORT.",
+    ),
+]
 View = Annotated[
     str,
     typer.Option("--view", metavar="none|rerun|FILE.rrd", help="Watch live, or keep the view."),

@@ -32,6 +32,7 @@ def replay(
     view: options.View = "none",
     report: options.ReportFolder = None,
     trajectory: options.Trajectory = None,
+    publish: options.Publish = None,
     overrides: options.Overrides = None,
     json: options.Json = False,
 ) -> None:
@@ -45,7 +46,7 @@ def replay(
     from pipeline.cli.replaying import replay_footage, replay_session
     from pipeline.cli.running import Outputs
 
-    outputs, output = Outputs(record, view, report, trajectory), Output(json)
+    outputs, output = Outputs(record, view, report, trajectory, publish), Output(json)
     changes = tuple(overrides or ())
     if is_session(source):
         replay_session(source, scenario, changes, compare, outputs, output)

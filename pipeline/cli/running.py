@@ -21,6 +21,7 @@ from pipeline.live import run
 from pipeline.placing import place_followers
 from pipeline.ports import Observer
 from pipeline.progress import Progress
+from pipeline.publishers.open import open_publisher
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_scores, make_setup
@@ -65,12 +66,14 @@ class Outputs:
         view: "none", "rerun" or an .rrd file.
         report: folder for figures and page.
         trajectory: CSV file.
+        publish: SPEC of where detections go.
     """
 
     record: Path | None = None
     view: str = "none"
     report: Path | None = None
     trajectory: Path | None = None
+    publish: str | None = None
 
     @property
     def session(self) -> Path | None:
@@ -95,7 +98,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
     scenario = _scenario(request)
     require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
-    with interruption() as interrupted, closing(connect(scenario, *spec)) as rig:
+    with interruption() as interrupted, closing(connect(scenario, *spec, interrupted)) as rig:
         scenario = paced(scenario, rig.sink.min_period, output)
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)
@@ -159,6 +162,8 @@ def observers(
             _keep(_viewer(outputs.view, setup, lossless))
         if outputs.trajectory is not None:
             _keep(TrajectoryFile(outputs.trajectory, setup))
+        if outputs.publish is not None:
+            _keep(open_publisher(outputs.publish, scenario.radio.team == "yellow"))
         _keep(Progress(duration or scenario.duration_s))
         yield made
 

@@ -3,7 +3,8 @@
 import re
 from dataclasses import dataclass
 
-from control.unicycle import Twist, wheels_from_twist
+from control.unicycle import Twist
+from pipeline.radios.wheels import limited_wheels
 
 STOP = b"[s]"
 WHO_ARE_YOU = b"[t]"
@@ -12,6 +13,7 @@ TICKS_PER_METRE = 25_000  # of the encoders
 LONGEST_COMMAND = len(b"[=-1000,-1000]")
 LONGEST_REPLY = 64  # what does not end within this many bytes is no reply [B]
 
+_NAME = re.compile(r"test#(\d{1,4})\Z")
 _ENCODERS = re.compile(r": ?([+-]\d{1,10}):([+-]\d{1,10})\Z")
 
 
@@ -44,8 +46,6 @@ class EncoderCounts:
 def wheel_units(twist: Twist, drive: Drive) -> tuple[int, int]:
     """Turn a twist into what the wheels are told.
 
-    Beyond full scale both wheels are reduced alike: the robot is slower, on the same curve.
-
     Args:
         twist: wanted velocities, finite [m/s, rad/s].
         drive: scale and track width.
@@ -53,9 +53,8 @@ def wheel_units(twist: Twist, drive: Drive) -> tuple[int, int]:
     Returns:
         Left and right, whole units in [-1000, 1000].
     """
-    wheels = wheels_from_twist(twist, drive.track_width)
-    fastest = max(abs(wheels.left), abs(wheels.right)) * drive.speed_scale
-    scale = drive.speed_scale * min(1.0, FULL_SCALE / fastest if fastest > 0.0 else 1.0)
+    scale = drive.speed_scale
+    wheels = limited_wheels(twist, drive.track_width, FULL_SCALE / scale)
     return round(wheels.left * scale), round(wheels.right * scale)
 
 
@@ -107,6 +106,19 @@ def encoder_counts(reply: str) -> EncoderCounts | None:
     """
     match = _ENCODERS.match(reply)
     return EncoderCounts(int(match[1]), int(match[2])) if match else None
+
+
+def robot_number(reply: str) -> int | None:
+    """Read the answer to "who are you".
+
+    Args:
+        reply: what stood between the angle brackets.
+
+    Returns:
+        The robot's number, None if it is another reply.
+    """
+    match = _NAME.match(reply)
+    return int(match[1]) if match else None
 
 
 class ReplyParser:

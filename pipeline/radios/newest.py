@@ -9,8 +9,11 @@ from pipeline.errors import RadioError
 from pipeline.ports import Clock
 from pipeline.radios.budget import Budget
 from pipeline.radios.link import Link
+from pipeline.radios.questions import Questions
+from pipeline.radios.report import LinkCounts
 
 LISTEN_PERIOD = 0.02  # replies are looked for at least this often [s]
+WATCH_PERIOD, WATCHED = 0.002, 0.2  # and this often for so long after a question [s]
 STOPS, STOP_SPACING = 3, 0.01  # one lost burst must not lose all of them [1, s]
 FIRST_PAUSE, LONGEST_PAUSE = 0.25, 4.0  # between attempts to reconnect, doubling [s]
 RATE_WINDOW = 1.0  # the achieved rate is counted over the last second [s]
@@ -24,32 +27,16 @@ class LinkSettings:
         name: its port or address, for messages.
         stop: the message that stops the robot.
         bytes_per_second: what the link carries [B/s].
+        question: what a robot answers, None where robots do not answer.
+        silence: after so long without a message the robots are stopped, None where they do that
+            themselves [s].
     """
 
     name: str
     stop: bytes
     bytes_per_second: float
-
-
-@dataclass(frozen=True, slots=True)
-class LinkCounts:
-    """What became of the messages of one link.
-
-    Attributes:
-        sent: written to the link.
-        replaced: overtaken by a newer one before the budget allowed them.
-        stale: older than their valid_until when their turn came, not sent.
-        connects: times the link came up.
-        failures: times it went down or could not be opened.
-        rate: messages sent during the last second [1/s].
-    """
-
-    sent: int = 0
-    replaced: int = 0
-    stale: int = 0
-    connects: int = 0
-    failures: int = 0
-    rate: float = 0.0
+    question: bytes | None = None
+    silence: float | None = None
 
 
 class NewestSender:
@@ -59,7 +46,7 @@ class NewestSender:
         self,
         settings: LinkSettings,
         clock: Clock,
-        connect: Callable[[], Link],
+        connect: Callable[[], Link | None],
         hear: Callable[[bytes], None],
     ) -> None:
         """Start the thread, which connects.
@@ -67,17 +54,20 @@ class NewestSender:
         Args:
             settings: name, stop message and budget.
             clock: the run's clock, on which messages go stale.
-            connect: opens the link and greets the robot, at every reconnect; raises RadioError.
+            connect: opens the link and greets the robot, at every reconnect; raises RadioError;
+                None: nobody is there yet, which is no failure.
             hear: takes what the robot answers; called in the link's thread.
         """
         self._settings, self._clock = settings, clock
         self._connect, self._hear = connect, hear
-        self._budget = Budget(settings.bytes_per_second)
+        self._budget, self.questions = Budget(settings.bytes_per_second), Questions()
         self._news = threading.Condition()
         self._pending: tuple[bytes, float] | None = None
         self._stops_left, self._closing, self._up = 0, False, False
+        self._moving, self._sent_at = False, 0.0  # whether the last message was no stop; its time
         self._error: RadioError | None = None
         self._sent = self._replaced = self._stale = self._connects = self._failures = 0
+        self._silences = 0
         self._recent: deque[float] = deque(maxlen=1000)
         self._thread = threading.Thread(target=self._run, name=settings.name, daemon=True)
         self._thread.start()
@@ -99,8 +89,9 @@ class NewestSender:
             since = self._clock.now() - RATE_WINDOW
             rate = sum(t > since for t in self._recent) / RATE_WINDOW
             return LinkCounts(
-                self._sent, self._replaced, self._stale, self._connects, self._failures, rate
-            )
+                self._sent, self._replaced, self._stale, self._connects, self._failures, rate,
+                self._silences,
+            )  # fmt: skip
 
     def offer(self, message: bytes, valid_until: float) -> None:
         """Make this the message to be sent next, instead of any that still waits.
@@ -184,6 +175,8 @@ class NewestSender:
 
     def _serve_one_connection(self) -> None:
         link = self._connect()
+        if link is None:
+            return
         try:
             self._come_up()
             self._serve(link)
@@ -191,6 +184,7 @@ class NewestSender:
             self._last_words(link)
             raise
         finally:
+            self.questions.dropped()
             link.close()
 
     def _serve(self, link: Link) -> None:
@@ -201,18 +195,45 @@ class NewestSender:
                 self._book(message)
             elif self._closing:
                 return
+            self._ask(link, message)
             self._hear(link.read())
+
+    def _ask(self, link: Link, message: bytes | None) -> None:
+        """Ask a question right behind a message, or while the robot stands by the last stop.
+
+        Never else: a robot may take a question for a sign of life, and one whose commands have
+        ceased must stop itself.
+        """
+        question, now = self._settings.question, self._clock.now()
+        stopping = message is self._settings.stop or self._stops_left > 0
+        busy = self._moving if message is None else False
+        if question is None or stopping or busy or not self.questions.due(now):
+            return
+        self.questions.asked(now)
+        link.write(question)
+        with self._news:
+            self._budget.spend(len(question), now)
 
     def _next_message(self) -> bytes | None:
         """Wait for something to send, but not longer than replies may wait."""
         with self._news:
+            self._watch_silence(self._clock.now())
             if self._stops_left:
                 self._news.wait(STOP_SPACING if self._stops_left < STOPS else 0.0)
                 return self._settings.stop
-            wait = self._budget.wait(self._clock.now())
+            now = self._clock.now()
+            wait, watched = self._budget.wait(now), self.questions.is_out(now, WATCHED)
+            listen = WATCH_PERIOD if watched else LISTEN_PERIOD
             if (self._pending is None or wait > 0.0) and not self._closing:
-                self._news.wait(min(LISTEN_PERIOD, wait) if self._pending else LISTEN_PERIOD)
+                self._news.wait(min(listen, wait) if self._pending else listen)
             return self._take()
+
+    def _watch_silence(self, now: float) -> None:
+        """Stop robots that would drive on when commands cease, as their own deadman would."""
+        silence = self._settings.silence
+        if silence is not None and self._moving and now - self._sent_at > silence:
+            self._stops_left = self._stops_left or STOPS
+            self._silences, self._moving = self._silences + 1, False
 
     def _take(self) -> bytes | None:
         now = self._clock.now()
@@ -228,7 +249,8 @@ class NewestSender:
         with self._news:
             now = self._clock.now()
             self._budget.spend(len(message), now)
-            if message == self._settings.stop:
+            self._moving, self._sent_at = message is not self._settings.stop, now
+            if not self._moving:  # a command may have the same bytes; it is another object
                 self._stops_left = max(0, self._stops_left - 1)
                 self._news.notify_all()
                 return

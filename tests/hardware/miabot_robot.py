@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import monotonic
 from types import TracebackType
+from typing import Protocol
 
 LONGEST = 32  # bytes a command may have between its brackets
 FULL_SCALE = 1000  # wheel units
@@ -154,6 +155,22 @@ def _clip(units: int) -> int:
     return max(-FULL_SCALE, min(FULL_SCALE, units))
 
 
+class Firmware(Protocol):
+    """What sits at the far end of a serial line."""
+
+    def receive(self, data: bytes, t: float) -> bytes:
+        """Take bytes, and answer."""
+        ...
+
+    def wake(self, t: float) -> bytes:
+        """Do what is due by now."""
+        ...
+
+    def due(self) -> float:
+        """When it has to be woken next [s]."""
+        ...
+
+
 class Ptys:
     """Robots on ptys, served by one thread.
 
@@ -161,7 +178,7 @@ class Ptys:
         paths: serial ports the robots are reached through, in their order.
     """
 
-    def __init__(self, robots: Sequence[Miabot], clock: Callable[[], float] = monotonic) -> None:
+    def __init__(self, robots: Sequence[Firmware], clock: Callable[[], float] = monotonic) -> None:
         """Open a pty per robot.
 
         Args:

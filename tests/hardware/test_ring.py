@@ -12,8 +12,8 @@ from control.command import Command
 from control.unicycle import Twist
 from pipeline.cameras.stream import open_stream
 from pipeline.clock import MonotonicClock
-from pipeline.radios.miabot import MiabotSettings
-from pipeline.radios.open import open_radio
+from pipeline.radios.miabot_line import MiabotSettings
+from pipeline.radios.open import RadioSettings, open_radio
 from tests.hardware.ring import lateness, ring
 
 
@@ -23,7 +23,9 @@ def test_robots_driven_through_the_air_are_seen_to_move(stream: str, tmp_path: P
     clock = MonotonicClock()
     with ring(tmp_path, stream=stream) as outside:
         camera = open_stream(outside.url, clock)
-        radio = open_radio(outside.radio, clock, MiabotSettings(ask_who=True), (1, 2, 3))
+        radio = open_radio(
+            outside.radio, clock, RadioSettings(MiabotSettings(ask_who=True)), (1, 2, 3)
+        )
         frames, start = [], clock.now()
         while clock.now() < start + 2.0:
             now = clock.now()

@@ -12,7 +12,8 @@ from control.command import Command
 from control.unicycle import Twist
 from pipeline.clock import MonotonicClock
 from pipeline.errors import RadioError
-from pipeline.radios.miabot import MiabotPort, MiabotRadio, MiabotSettings
+from pipeline.radios.miabot import MiabotRadio
+from pipeline.radios.miabot_line import MiabotPort, MiabotSettings
 from tests.hardware.miabot_robot import Miabot, Ptys
 
 pytestmark = pytest.mark.realtime

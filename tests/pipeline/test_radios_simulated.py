@@ -6,12 +6,10 @@ from control.command import Command
 from control.unicycle import Twist, UnicycleState
 from datasets.world import RobotPlant, World
 from pipeline.clock import MonotonicClock
-from pipeline.errors import ConfigError, RadioError
 from pipeline.radios.budget import Budget
-from pipeline.radios.miabot import MiabotSettings
 from pipeline.radios.none import NoRadio
-from pipeline.radios.open import open_radio
-from pipeline.radios.simulated import MESSAGE_SIZE, SimulatedRadio
+from pipeline.radios.open import RadioSettings, open_radio
+from pipeline.radios.simulated import MESSAGE_SIZE, Copies, SimulatedRadio
 
 CLOCK = MonotonicClock()
 
@@ -117,7 +115,7 @@ def test_budget_spaces_messages_without_bursts() -> None:
 
 
 def test_no_radio_shows_and_sends_nothing() -> None:
-    radio = open_radio("none", CLOCK, MiabotSettings())
+    radio = open_radio("none", CLOCK, RadioSettings())
     assert isinstance(radio, NoRadio)
     assert radio.send(drive(0.1, 0.0) + drive(float("nan"), 0.0), 0.0) == ()
     assert (radio.shown, radio.screen.refused) == (1, 1)
@@ -125,31 +123,43 @@ def test_no_radio_shows_and_sends_nothing() -> None:
     radio.close()
 
 
-@pytest.mark.parametrize(
-    ("spec", "words"),
-    [
-        ("", "need simulated, none, or miabot:"),
-        ("none:1", "need simulated, none, or miabot:"),
-        ("zigbee:1", "need simulated, none, or miabot:"),
-        ("miabot", "need ID=PORT, got ''"),
-        ("miabot:1", "need ID=PORT, got '1'"),
-        ("miabot:1=/dev/x,=y", "need ID=PORT, got '=y'"),
-        ("miabot:1=/dev/x,1=/dev/y", "one robot comes twice"),
-        ("miabot:1=/dev/x,2=/dev/x", "one port comes twice"),
-        ("miabot:1=/dev/x", "robot 2 of the scenario has no port"),
-        ("miabot:1=/dev/x,2=/dev/y,3=/dev/z", "robot 3 is not in the scenario"),
-        ("miabot-tcp-listen:0.0.0.0:9000", "miabot-tcp-listen is not yet supported; it comes with"),
-        ("firasim:127.0.0.1:20011", "firasim is not yet supported; it comes with"),
-        ("vsss:/dev/ttyUSB0", "vsss is not yet supported; it comes with"),
-    ],
-)
-def test_specs_that_cannot_be_used_are_one_clear_line(spec: str, words: str) -> None:
-    with pytest.raises(ConfigError) as caught:
-        open_radio(spec, CLOCK, MiabotSettings(), robots=(1, 2))
-    assert words in str(caught.value)
-    assert "\n" not in str(caught.value)
+def test_copies_are_of_the_declared_share_repeatable_and_leave_losses_as_they_are() -> None:
+    told = []
+    for copies in (Copies(0.0), Copies(0.3, 0.02), Copies(0.3, 0.02)):
+        world = world_of(1)
+        radio = SimulatedRadio(world, loss=0.2, seed=7, copies=copies)
+        for n in range(5000):
+            world.advance(n * 0.005)
+            radio.send(drive(0.001 * (n % 100), n * 0.005), n * 0.005)
+        told.append((radio.lost, radio.doubled, world.truth()[0].state.x))
+    assert told[1] == told[2]
+    assert told[0][0] == told[1][0]
+    assert told[0][1] == 0
+    assert told[1][1] / (5000 - told[1][0]) == pytest.approx(0.3, abs=0.025)  # 3.5 deviations
+    assert told[0][2] != told[1][2]  # a late copy of an old command is obeyed
 
 
-def test_a_missing_port_is_named() -> None:
-    with pytest.raises(RadioError, match="radio /dev/rfcomm77: cannot open: No such file"):
-        open_radio("miabot:leader=/dev/rfcomm77", CLOCK, MiabotSettings())
+def test_a_copy_arrives_behind_a_newer_command() -> None:
+    world = world_of(1)
+    radio = SimulatedRadio(world, delay=0.0, seed=3, copies=Copies(0.999, 0.05))
+    radio.send(drive(0.1, 0.0), 0.0)
+    radio.send(drive(0.5, 0.001), 0.001)
+    world.advance(0.0015)
+    assert speed(world) == pytest.approx(0.5)
+    seen = set()
+    for n in range(60):
+        world.advance(0.0015 + n * 0.001)
+        seen.add(round(speed(world), 3))
+    assert 0.1 in seen
+    assert radio.reports[0].counts.doubled == 2
+
+
+def test_every_robot_has_its_own_counts() -> None:
+    world = world_of(1, 2)
+    radio = SimulatedRadio(world, bandwidth_Bps=240.0)
+    for n in range(10):
+        radio.send(drive(0.1, n * 0.01, 2), n * 0.01)
+    one, two = radio.reports
+    assert (one.robot_id, one.counts.sent, two.robot_id) == (1, 0, 2)
+    assert two.counts.sent + two.counts.replaced in (9, 10)
+    assert two.counts.rate == two.counts.sent

@@ -1,0 +1,1 @@
+"""Telling other programs what is seen: one observer a file."""
