@@ -20,11 +20,13 @@ class Orders:
         drive: velocities of the leader, where keys drive it [m/s, rad/s].
         halt: an emergency stop: all robots stop, and stay so.
         arm: motion may begin, or begin again after a stop.
+        report: how the loop keeps its time is to be told.
     """
 
     drive: Twist | None = None
     halt: bool = False
     arm: bool = False
+    report: bool = False
 
 
 NO_ORDERS = Orders()

@@ -194,6 +194,13 @@ class Scenario(Section):
     safety: SafetyConfig = SafetyConfig()
     simulation: SimulationConfig = SimulationConfig()
 
+    @property
+    def undriven(self) -> tuple[int | str, ...]:
+        """Robots that nobody commands: a hand moves them."""
+        by_hand = self.formation and self.leader and self.leader.driven_by == "hand"
+        leader = self.formation.root if self.formation and by_hand else None
+        return tuple(r.id for r in self.robots if r.carried or r.id == leader)
+
     @field_validator("robots")
     @classmethod
     def _ids_once(cls, robots: tuple[RobotConfig, ...]) -> tuple[RobotConfig, ...]:

@@ -90,6 +90,14 @@ class FormationConfig(ShapeConfig):
         return self
 
     @property
+    def root(self) -> int | str | None:
+        """The leader that follows nobody; None if there is none."""
+        if self.pairs is None:
+            return self.leader
+        followers = {pair.follower for pair in self.pairs}
+        return next((pair.leader for pair in self.pairs if pair.leader not in followers), None)
+
+    @property
     def robots(self) -> tuple[int | str, ...]:
         """Every robot that is named."""
         if self.pairs is not None:

@@ -29,6 +29,9 @@ def live(
     fast: Annotated[
         bool, typer.Option("--fast", help="As fast as it goes (rendered camera only).")
     ] = False,
+    hold: Annotated[
+        bool, typer.Option("--hold", help="Begin, and resume after a stop, only when r is pressed.")
+    ] = False,
     seed: options.Seed = 0,
     record: options.Record = None,
     view: options.View = "none",
@@ -47,7 +50,7 @@ def live(
     from pipeline.cli.output import Output  # heavy rooms are entered only when needed
     from pipeline.cli.running import Outputs, Request, run_live
 
-    request = Request(
-        scenario, camera, radio, duration, fast, seed, command_period, tuple(overrides or ())
-    )
+    held = ("safety.hold=true",) if hold else ()
+    changes = (*(overrides or ()), *held)
+    request = Request(scenario, camera, radio, duration, fast, seed, command_period, changes)
     run_live(request, Outputs(record, view, report, trajectory, publish), Output(json))

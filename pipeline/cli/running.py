@@ -18,6 +18,7 @@ from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
 from pipeline.live import run
+from pipeline.operators.open import open_operator
 from pipeline.placing import place_followers
 from pipeline.ports import Observer
 from pipeline.progress import Progress
@@ -110,7 +111,8 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None
         with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:
-            rig = replace(rig, observers=(scores, *others))
+            operator = open_operator(setup, output.say)
+            rig = replace(rig, observers=(scores, *others), operator=operator)
             start = perf_counter()
             why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start

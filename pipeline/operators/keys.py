@@ -7,11 +7,11 @@ from datasets.cycle import Orders
 STEPS = 5  # presses from a standstill to the greatest speed
 HANDS_OFF = 10.0  # without a key for this long the leader stands: nobody may be there [s]
 LONGEST = 8  # an escape sequence that is longer is none [B]
-HALT, ARM, STAND = b" ", b"r", b"s"
+HALT, ARM, STAND, REPORT = b" ", b"r", b"s", b"c"
 ARROWS = {b"\x1b[A": (1, 0), b"\x1b[B": (-1, 0), b"\x1b[D": (0, 1), b"\x1b[C": (0, -1)}
 """Up, down, left, right: steps of speed, steps of turn (left is positive)."""
 
-HELP = "space: emergency stop; r: arm again"
+HELP = "space: emergency stop; r: arm; c: cadence"
 HELP_DRIVING = f"arrows: drive the leader; s: stand; {HELP}"
 
 
@@ -44,7 +44,8 @@ class Keys:
             self._press(key)
         if HALT in keys or now - self._last > HANDS_OFF:
             self._speed = self._turn = 0
-        return Orders(self._wanted(), HALT in keys, ARM in keys and HALT not in keys)
+        arm = ARM in keys and HALT not in keys
+        return Orders(self._wanted(), HALT in keys, arm, REPORT in keys)
 
     def _press(self, key: bytes) -> None:
         if key == STAND:
