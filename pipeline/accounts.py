@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Protocol, runtime_checkable
 
+from pipeline.cameras.report import Reporting, told
 from pipeline.live import Rig
 from pipeline.radios.miabot import MiabotRadio, MiabotReport
 from pipeline.radios.screen import Screen
@@ -11,7 +12,7 @@ from pipeline.rigs import Tee
 
 @runtime_checkable
 class Dropping(Protocol):
-    """A camera, recorder or viewer that counts what it passed over."""
+    """A recorder or viewer that counts what it passed over."""
 
     @property
     def dropped(self) -> int:
@@ -42,8 +43,8 @@ def account(rig: Rig) -> tuple[str, ...]:
 
 
 def _lines(rig: Rig) -> Iterator[str]:
-    if isinstance(rig.source, Dropping) and rig.source.dropped:
-        yield f"camera: {rig.source.dropped} frames were passed over for newer ones"
+    if isinstance(rig.source, Reporting):
+        yield from told(rig.source.report)
     for sink in rig.sink.parts if isinstance(rig.sink, Tee) else (rig.sink,):
         if isinstance(sink, Screened) and (sink.screen.stale or sink.screen.refused):
             held = sink.screen
