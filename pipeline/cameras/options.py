@@ -40,22 +40,23 @@ class _Knob:
     name: str
     control: int
     automatic: int | None = None
-    manual: int = 0  # value of `automatic` that leaves the control to us
-    autos: tuple[int, ...] = (1,)  # values that do not, best first
+    manuals: tuple[int, ...] = (0,)  # values of `automatic` that leave it to us, best first
+    autos: tuple[int, ...] = (1,)  # values that do not
     steps: float = 1.0
     unit: str = ""
+    words: tuple[str, ...] = ()  # for values that are choices
 
 
-# Numbers of linux/v4l2-controls.h. Exposure is counted in steps of 0.1 ms; cameras on USB offer
-# aperture priority (3) as their automatic, others plain automatic (0).
-_EXPOSURE = _Knob("exposure", 0x009A0902, 0x009A0901, 1, (3, 0), 10.0, " ms")
+# Numbers of linux/v4l2-controls.h. Exposure is counted in steps of 0.1 ms; by hand is manual (1) or
+# shutter priority (2), automatic is aperture priority (3), as most on USB offer it, or plain (0).
+_EXPOSURE = _Knob("exposure", 0x009A0902, 0x009A0901, (1, 2), (3, 0), 10.0, " ms")
 _KNOBS: Mapping[str, _Knob] = {
     "exposure_ms": _EXPOSURE,
     "gain": _Knob("gain", 0x00980913, 0x00980912),
     "focus": _Knob("focus", 0x009A090A, 0x009A090C),
     "white_balance_k": _Knob("white balance", 0x0098091A, 0x0098090C, unit=" K"),
 }
-_POWER_LINE = _Knob("power line frequency", 0x00980918)
+_POWER_LINE = _Knob("power line", 0x00980918, words=("no flicker", "50 Hz", "60 Hz", "auto"))
 _POWER_LINE_CHOICES: Mapping[int | str, int] = {0: 0, 50: 1, 60: 2, "auto": 3}
 _RATE_MAY_FALL = _Knob("exposure may slow the rate", 0x009A0903)
 
@@ -101,17 +102,21 @@ def _turned(
     if wanted == "auto":
         if switch is None:
             yield f"{knob.name}: the camera has no automatic"
-            return
-        offered = [v for v in knob.autos if not switch.choices or v in dict(switch.choices)]
-        yield from _written(device, known, _switch_of(knob), (offered or [knob.autos[0]])[0])
+        else:
+            yield from _switched(device, switch, knob, knob.autos)
         return
     if switch is not None:
-        yield from _written(device, known, _switch_of(knob), knob.manual)
+        yield from _switched(device, switch, knob, knob.manuals)
     yield from _written(device, known, knob, round(float(wanted) * knob.steps))
 
 
-def _switch_of(knob: _Knob) -> _Knob:
-    return _Knob(f"automatic {knob.name}", knob.automatic or 0)
+def _switched(
+    device: ControlAccess, switch: Control, knob: _Knob, values: tuple[int, ...]
+) -> Iterator[str]:
+    """The first of several values that the camera offers."""
+    offered = [v for v in values if not switch.choices or v in dict(switch.choices)]
+    by_name = _Knob(f"automatic {knob.name}", switch.id)
+    yield from _written(device, {switch.id: switch}, by_name, (offered or values)[0])
 
 
 def _written(
@@ -129,12 +134,17 @@ def _written(
         problem = f" ({error.strerror})"
     kept = _read(device, knob.control)
     if problem or kept is None or abs(kept - value) >= max(1, control.step):
-        low, high = (_shown(knob, v) for v in (control.minimum, control.maximum))
         yield (
             f"{knob.name}: {_shown(knob, value)} was asked for, the camera keeps "
             f"{'an unknown value' if kept is None else _shown(knob, kept)}{problem}; "
-            f"it offers {low} to {high}"
+            f"it offers {_offered(knob, control)}"
         )
+
+
+def _offered(knob: _Knob, control: Control) -> str:
+    if control.choices:
+        return ", ".join(name for _, name in control.choices)
+    return f"{_shown(knob, control.minimum)} to {_shown(knob, control.maximum)}"
 
 
 def _read(device: ControlAccess, control: int) -> int | None:
@@ -145,4 +155,6 @@ def _read(device: ControlAccess, control: int) -> int | None:
 
 
 def _shown(knob: _Knob, value: int) -> str:
+    if value < len(knob.words):
+        return knob.words[value]
     return f"{value / knob.steps:g}{knob.unit}"

@@ -96,7 +96,7 @@ class V4l2Device:
         kind = 1 if self._flags & _CAPTURE else 9
         found = [
             (int(code), text_of(name))
-            for _, _, _, name, code in listed(ENUMERATE_FORMATS, self._ioctl, self._fd, kind)
+            for _, _, _, name, code in listed(ENUMERATE_FORMATS, self._ioctl, self._fd, (kind,))
         ]
         return tuple(PixelFormat(_code(c), name, tuple(self._sizes(c))) for c, name in found)
 
@@ -138,7 +138,7 @@ class V4l2Device:
         SET_CONTROL(self._ioctl, self._fd, control, value)
 
     def _sizes(self, code: int) -> Iterator[FrameSize]:
-        for _, _, kind, *n in listed(ENUMERATE_SIZES, self._ioctl, self._fd, code):
+        for _, _, kind, *n in listed(ENUMERATE_SIZES, self._ioctl, self._fd, (code,)):
             if kind == _DISCRETE:
                 yield FrameSize((n[0], n[1]), (n[0], n[1]), (0, 0), *self._rates(code, n[0], n[1]))
                 continue
@@ -150,7 +150,7 @@ class V4l2Device:
         """Frames per second, fastest first, and whether all between are offered."""
         rates: set[float] = set()
         size = code, width, height
-        for _, _, _, _, kind, *n in listed(ENUMERATE_INTERVALS, self._ioctl, self._fd, *size):
+        for _, _, _, _, kind, *n in listed(ENUMERATE_INTERVALS, self._ioctl, self._fd, size):
             ends = [(n[0], n[1])] if kind == _DISCRETE else [(n[0], n[1]), (n[2], n[3])]
             rates |= {below / above for above, below in ends if above}
             if kind != _DISCRETE:

@@ -85,7 +85,9 @@ def text_of(field: bytes) -> str:
     return field.split(b"\0")[0].decode("utf-8", "replace").strip()
 
 
-def listed(call: Call, ioctl: Ioctl, fd: int, *after: int) -> Iterator[tuple[Any, ...]]:
+def listed(
+    call: Call, ioctl: Ioctl, fd: int, after: tuple[int, ...] = ()
+) -> Iterator[tuple[Any, ...]]:
     """List until the driver says that there is no more.
 
     Args:
