@@ -3,14 +3,26 @@
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 
-from pipeline.cameras.device import CaptureFormat, format_refused, open_device, stamp_age
+from pipeline.cameras.device import (
+    CaptureFormat,
+    format_refused,
+    fourcc,
+    open_device,
+    pixels_named,
+    stamp_age,
+)
+from pipeline.cameras.options import DeviceOptions
 from pipeline.clock import MonotonicClock
-from pipeline.errors import CameraError
+from pipeline.errors import CameraError, ConfigError
+from pipeline.rigs import camera_request
+from pipeline.scenario import load_scenario
 
+PAPER = Path(__file__).parents[2] / "datasets" / "scenarios" / "paper.toml"
 NOBODY = 65534  # a user id without rights
 
 
@@ -69,3 +81,42 @@ def test_what_the_device_does_instead_is_said_with_numbers() -> None:
     assert size == "does not do 320x240 px, it offers 640x480 px"
     rate = format_refused(wanted, CaptureFormat((320, 240), 15.0))
     assert rate == "does not do 30 frames/s, it offers 15"
+
+
+def test_what_a_scenario_asks_of_a_device(tmp_path: Path) -> None:
+    asked = tmp_path / "asked.toml"
+    asked.write_text(
+        f'include = ["{PAPER}"]\n[camera]\nrepeats = "stamps"\n[camera.device]\npixel_format = "MJPG"\n'
+        'exposure_ms = 8\ngain = 40\nfocus = "auto"\nwhite_balance_k = 4500\npower_line_hz = 50\n'
+    )
+    camera = load_scenario(str(asked), ("camera.device.constant_rate=true",)).camera
+    request = camera_request(camera)
+    assert request.wanted == CaptureFormat((320, 240), 30.0, "MJPG")
+    assert request.options == DeviceOptions(8.0, 40, "auto", 4500, 50, True)
+    assert (request.habits.fps, request.habits.repeats) == (30.0, "stamps")
+    assert isinstance(request.options.exposure_ms, float)  # warned of if longer than a frame
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("exposure_ms=0", "greater than 0"),
+        ('exposure_ms="long"', "valid number"),
+        ("power_line_hz=55", "50"),
+        ("white_balance_k=10", "1000"),
+        ("iris=3", "iris"),
+    ],
+)
+def test_a_wrong_option_is_told_by_its_key(change: str, words: str) -> None:
+    with pytest.raises(ConfigError, match="camera.device") as caught:
+        load_scenario("paper", (f"camera.device.{change}",))
+    assert words in str(caught.value)
+
+
+def test_pixel_formats_by_their_four_characters() -> None:
+    assert fourcc("MJPG") == 0x47504A4D
+    assert pixels_named(float(0x47504A4D)) == "MJPG"
+    assert pixels_named(float(fourcc("Y8"))) == "Y8"
+    assert pixels_named(-1.0) is None
+    refused = format_refused(CaptureFormat(None, None, "MJPG"), CaptureFormat(None, 0.0, "YUYV"))
+    assert refused == "does not send MJPG, it offers YUYV"
