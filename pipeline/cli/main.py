@@ -12,6 +12,7 @@ from pipeline.cli import (
     calibrate,
     cameras,
     check,
+    doctor,
     live,
     locate,
     render,
@@ -55,7 +56,19 @@ def general(
     del version, debug  # one has its callback, the other is taken before arguments are parsed
 
 
-for command in (live, replay, simulate, render, locate, report, check, cameras, study, tags):
+for command in (
+    live,
+    replay,
+    simulate,
+    render,
+    locate,
+    report,
+    check,
+    doctor,
+    cameras,
+    study,
+    tags,
+):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 app.add_typer(calibrate.calibrate)
 

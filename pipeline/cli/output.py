@@ -70,6 +70,29 @@ class Output:
             mark = "ok" if finding.holds else "FAILS" if finding.binding else "open"
             self.say(f"{mark:6} {finding.topic}: {finding.detail}")
 
+    def diagnosis(self, findings: Sequence[Finding]) -> None:
+        """Print what was found about the machine.
+
+        Args:
+            findings: in reading order.
+        """
+        if self.as_json:
+            rows = [
+                {
+                    "topic": f.topic,
+                    "found": f.detail,
+                    "verdict": f.verdict,
+                    "remedy": f.remedy or None,
+                }
+                for f in findings
+            ]
+            self.object({"findings": rows})
+            return
+        for finding in findings:
+            self.say(f"{finding.verdict:8} {finding.topic}: {finding.detail}")
+            if finding.remedy:
+                self.say(f"{'':8} -> {finding.remedy}")
+
     def table(self, title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """Print a table with aligned columns.
 

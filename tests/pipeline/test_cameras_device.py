@@ -1,8 +1,6 @@
 """Devices: what is missing or wrong is said in one line, and OpenCV says nothing beside it."""
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -21,9 +19,9 @@ from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError, ConfigError
 from pipeline.rigs import camera_request
 from pipeline.scenario import load_scenario
+from tests.pipeline.as_nobody import as_nobody
 
 PAPER = Path(__file__).parents[2] / "datasets" / "scenarios" / "paper.toml"
-NOBODY = 65534  # a user id without rights
 
 
 @pytest.mark.parametrize(
@@ -42,18 +40,6 @@ def test_no_camera_is_one_clear_line(
     assert str(caught.value).startswith(words)
     assert "\n" not in str(caught.value)
     assert capfd.readouterr() == ("", "")
-
-
-@contextmanager
-def as_nobody() -> Iterator[None]:
-    """Be a user without rights for a while; root may open everything."""
-    user = os.geteuid()
-    if user == 0:
-        os.seteuid(NOBODY)
-    try:
-        yield
-    finally:
-        os.seteuid(user)
 
 
 def test_a_forbidden_camera_names_the_group() -> None:
@@ -86,7 +72,8 @@ def test_what_the_device_does_instead_is_said_with_numbers() -> None:
 def test_what_a_scenario_asks_of_a_device(tmp_path: Path) -> None:
     asked = tmp_path / "asked.toml"
     asked.write_text(
-        f'include = ["{PAPER}"]\n[camera]\nrepeats = "stamps"\n[camera.device]\npixel_format = "MJPG"\n'
+        f'include = ["{PAPER}"]\n[camera]\nrepeats = "stamps"\n[camera.device]\n'
+        'pixel_format = "MJPG"\n'
         'exposure_ms = 8\ngain = 40\nfocus = "auto"\nwhite_balance_k = 4500\npower_line_hz = 50\n'
     )
     camera = load_scenario(str(asked), ("camera.device.constant_rate=true",)).camera
@@ -108,7 +95,7 @@ def test_what_a_scenario_asks_of_a_device(tmp_path: Path) -> None:
     ],
 )
 def test_a_wrong_option_is_told_by_its_key(change: str, words: str) -> None:
-    with pytest.raises(ConfigError, match="camera.device") as caught:
+    with pytest.raises(ConfigError, match=r"camera\.device") as caught:
         load_scenario("paper", (f"camera.device.{change}",))
     assert words in str(caught.value)
 
