@@ -8,7 +8,7 @@ from control.unicycle import UnicycleState
 from datasets.cycle import RobotState
 from datasets.world import Disturbance, RobotPlant, World
 from pipeline.camera_config import CameraConfig
-from pipeline.cameras.device import CaptureFormat
+from pipeline.cameras.capture_format import CaptureFormat
 from pipeline.cameras.newest import Habits
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.cameras.options import DeviceOptions

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from datasets.errors import RecordingError
 from datasets.recorded import image_files, read_frames, read_image
 from datasets.video import IMAGE_SUFFIXES
-from pipeline.cameras.device import CaptureFormat
+from pipeline.cameras.capture_format import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError, ConfigError

@@ -4,11 +4,18 @@ import glob
 import os
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
+from pipeline.cameras.capture_format import (
+    ANY_FORMAT,
+    CaptureFormat,
+    format_refused,
+    fourcc,
+    pixels_named,
+)
 from pipeline.cameras.newest import USUAL, Habits, NewestFrame
 from pipeline.cameras.options import AS_IT_IS, DeviceOptions, apply
 from pipeline.cameras.reader import Picture
@@ -21,29 +28,12 @@ OLDEST_STAMP = 1.0  # a driver's stamp further back than this is of another cloc
 # The reader always waits for the next picture, so a queue never builds up; with a single buffer the
 # camera would have nowhere to put a picture while the one before is being decoded.
 BUFFERS = 2
+MOST_DAMAGED = 30  # JPEGs in a row that cannot be decoded; a single one is left out
 os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2")  # else a hung camera blocks 10 s
 SLOW_HINT = (
     ": usually the exposure is longer than a frame; give more light, or lock it shorter "
     "(camera.device.exposure_ms); echelon cameras lists the rates of each format"
 )
-
-
-@dataclass(frozen=True, slots=True)
-class CaptureFormat:
-    """What is asked of a device; None leaves it to the driver.
-
-    Attributes:
-        size_px: width and height [px].
-        fps: frames per second.
-        pixels: four characters, e.g. MJPG; as `echelon cameras` lists them.
-    """
-
-    size_px: tuple[int, int] | None = None
-    fps: float | None = None
-    pixels: str | None = None
-
-
-ANY_FORMAT = CaptureFormat()
 
 
 class DeviceReader:
@@ -88,21 +78,27 @@ class DeviceReader:
             It, with its capture time on the run's clock.
 
         Raises:
-            CameraError: if the device gives none.
+            CameraError: if the device gives none, or damaged ones only.
         """
-        ok, image = self._capture.read()
-        if not ok:
-            raise CameraError(f"camera {self._name}: gives no more pictures (unplugged?)")
+        for _ in range(MOST_DAMAGED):
+            if not self._capture.grab():
+                raise CameraError(f"camera {self._name}: gives no more pictures (unplugged?)")
+            ok, image = self._capture.retrieve()
+            if ok:
+                return self._picture(image)
+        raise CameraError(f"camera {self._name}: {MOST_DAMAGED} damaged pictures in a row")
+
+    def release(self) -> None:
+        """Give the device back."""
+        self._capture.release()
+
+    def _picture(self, image: cv2.typing.MatLike) -> Picture:
         stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
         age, now = stamp_age(stamp, time.monotonic()), self._clock.now()
         pixels = np.asarray(image, dtype=np.uint8)
         if age is None:
             return Picture(pixels, now - self._latency, now)
         return Picture(pixels, now - age, now, stamp)
-
-    def release(self) -> None:
-        """Give the device back."""
-        self._capture.release()
 
     def _set(self, wanted: CaptureFormat) -> None:
         self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
@@ -192,51 +188,6 @@ def stamp_age(stamp: float, monotonic_now: float) -> float | None:
     """
     age = monotonic_now - stamp
     return age if 0.0 <= age < OLDEST_STAMP else None
-
-
-def format_refused(wanted: CaptureFormat, got: CaptureFormat) -> str | None:
-    """Compare what was asked for with what the device does.
-
-    Args:
-        wanted: what was asked for.
-        got: what the device reports after setting it.
-
-    Returns:
-        One sentence with the numbers, None if they agree.
-    """
-    if wanted.size_px is not None and got.size_px is not None and wanted.size_px != got.size_px:
-        asked, done = ("x".join(map(str, size)) for size in (wanted.size_px, got.size_px))
-        return f"does not do {asked} px, it offers {done} px"
-    if wanted.pixels is not None and got.pixels is not None and wanted.pixels != got.pixels:
-        return f"does not send {wanted.pixels}, it offers {got.pixels}"
-    if wanted.fps is not None and got.fps and abs(got.fps - wanted.fps) > 0.02 * wanted.fps:
-        return f"does not do {wanted.fps:g} frames/s, it offers {got.fps:g}"
-    return None
-
-
-def fourcc(code: str) -> int:
-    """Pack the four characters of a pixel format.
-
-    Args:
-        code: e.g. MJPG; filled up with blanks.
-
-    Returns:
-        The number that drivers know it by.
-    """
-    return int.from_bytes(code.ljust(4).encode("ascii"), "little")
-
-
-def pixels_named(number: float) -> str | None:
-    """Unpack the four characters of a pixel format.
-
-    Args:
-        number: as the device reports it.
-
-    Returns:
-        The characters; None if it reports none.
-    """
-    text = max(0, int(number)).to_bytes(8, "little")[:4].decode("ascii", "replace").strip(" \0")
-    return text or None
 
 
 def device_path(device: int | str) -> str:

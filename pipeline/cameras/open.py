@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.cameras.device import ANY_FORMAT, CaptureFormat, open_device
+from pipeline.cameras.capture_format import ANY_FORMAT, CaptureFormat
+from pipeline.cameras.device import open_device
 from pipeline.cameras.file import FileCamera
 from pipeline.cameras.newest import USUAL, Habits
 from pipeline.cameras.options import AS_IT_IS, DeviceOptions

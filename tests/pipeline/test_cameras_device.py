@@ -1,19 +1,16 @@
 """Devices: what is missing or wrong is said in one line, and OpenCV says nothing beside it."""
 
 import os
+import time
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import cv2
+import numpy as np
 import pytest
 
-from pipeline.cameras.device import (
-    CaptureFormat,
-    format_refused,
-    fourcc,
-    open_device,
-    pixels_named,
-    stamp_age,
-)
+from pipeline.cameras.capture_format import CaptureFormat, format_refused, fourcc, pixels_named
+from pipeline.cameras.device import DeviceReader, open_device, stamp_age
 from pipeline.cameras.options import DeviceOptions
 from pipeline.clock import MonotonicClock
 from pipeline.errors import CameraError, ConfigError
@@ -21,6 +18,7 @@ from pipeline.rigs import camera_request
 from pipeline.scenario import load_scenario
 from tests.pipeline.as_nobody import as_nobody
 
+CLOCK = MonotonicClock()
 PAPER = Path(__file__).parents[2] / "datasets" / "scenarios" / "paper.toml"
 
 
@@ -49,6 +47,70 @@ def test_a_forbidden_camera_names_the_group() -> None:
         os.mknod(path, 0)
         with as_nobody(), pytest.raises(CameraError, match="permission denied"):
             open_device(path, MonotonicClock())
+
+
+class Driver:
+    """Stands in for an opened cv2.VideoCapture: no camera is at hand where tests run."""
+
+    def __init__(self, damaged: int, age: float) -> None:
+        self._left, self._age = damaged, age
+        self.asked: list[tuple[int, float]] = []
+        self.known = {cv2.CAP_PROP_FRAME_WIDTH: 32.0, cv2.CAP_PROP_FRAME_HEIGHT: 24.0}
+
+    def isOpened(self) -> bool:
+        return True
+
+    def set(self, key: int, value: float) -> bool:
+        self.asked.append((key, value))
+        return True
+
+    def get(self, key: int) -> float:
+        if key == cv2.CAP_PROP_POS_MSEC:
+            return 1e3 * (time.monotonic() - self._age)
+        return self.known.get(key, 0.0)
+
+    def grab(self) -> bool:
+        return True
+
+    def retrieve(self) -> tuple[bool, np.ndarray | None]:
+        self._left -= 1
+        return (False, None) if self._left >= 0 else (True, np.zeros((24, 32, 3), np.uint8))
+
+    def release(self) -> None: ...
+
+
+def reader(driver: Driver, monkeypatch: pytest.MonkeyPatch) -> DeviceReader:
+    monkeypatch.setattr(cv2, "VideoCapture", lambda *_: driver)
+    wanted = CaptureFormat(
+        (32, 24), None, "MJPG" if driver.known.get(cv2.CAP_PROP_FOURCC) else None
+    )
+    return DeviceReader(os.devnull, CLOCK, 0.2, wanted)
+
+
+@pytest.mark.parametrize(("age", "dated"), [(0.05, 0.05), (5000.0, 0.2)])
+def test_a_picture_is_as_old_as_its_stamp_says_or_as_the_latency(
+    age: float, dated: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    picture = reader(Driver(0, age), monkeypatch).read()
+    assert picture.t_arrival - picture.t_capture == pytest.approx(dated, abs=0.02)
+    assert (picture.stamp is None) == (age > 1.0)
+
+
+def test_a_damaged_picture_is_left_out_but_not_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert reader(Driver(3, 0.01), monkeypatch).read().image.shape == (24, 32, 3)
+    with pytest.raises(CameraError, match="30 damaged pictures in a row"):
+        reader(Driver(1000, 0.01), monkeypatch).read()
+
+
+def test_the_pixel_format_is_set_before_the_size_that_depends_on_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    driver = Driver(0, 0.01)
+    driver.known[cv2.CAP_PROP_FOURCC] = float(fourcc("MJPG"))
+    reader(driver, monkeypatch)
+    keys = [key for key, _ in driver.asked]
+    assert keys.index(cv2.CAP_PROP_FOURCC) < keys.index(cv2.CAP_PROP_FRAME_WIDTH)
+    assert (cv2.CAP_PROP_BUFFERSIZE, 2) in driver.asked  # one only would cost every other picture
 
 
 def test_a_drivers_stamp_counts_only_if_it_is_of_this_clock() -> None:
