@@ -12,7 +12,8 @@ def tell(text: str) -> None:
     Args:
         text: what to say.
     """
-    print(f"echelon: {text}", file=sys.stderr)  # noqa: T201 (stderr)
+    clean = "\r\x1b[K" if sys.stderr.isatty() else ""  # a progress line may stand there
+    print(f"{clean}echelon: {text}", file=sys.stderr)  # noqa: T201 (stderr)
 
 
 @contextmanager

@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
+ENOUGH = 0.9  # share of the frames asked for below which a camera is called slow
+
 
 @dataclass(frozen=True, slots=True)
 class CameraReport:
@@ -61,9 +63,6 @@ def told(report: CameraReport) -> Iterator[str]:
         yield f"camera: it was lost and came back {report.reopenings} times"
     if is_slow(report.fps, report.asked_fps):
         yield f"camera: {report.fps:.1f} frames/s came, {report.asked_fps:g} were asked for"
-
-
-ENOUGH = 0.9  # share of the frames asked for below which a camera is called slow
 
 
 def is_slow(fps: float | None, asked: float | None) -> bool:

@@ -9,9 +9,11 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 
+from pipeline.calibration.pictures import camera_frames
 from pipeline.cameras.newest import NewestFrame
 from pipeline.cameras.stream import open_stream
 from pipeline.clock import MonotonicClock
+from pipeline.errors import CameraError
 from tests.hardware.streams import MjpegServer
 from vision.frame import Frame
 
@@ -129,6 +131,16 @@ def test_a_frozen_picture_is_no_frame_and_the_camera_is_opened_again(
         assert "frozen" in camera.outages[0].reason
         assert camera.latest(CLOCK.now()) is None
         assert camera.report.duplicates > 5
+
+
+def test_a_calibration_does_not_wait_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("pipeline.calibration.pictures.SILENT", 0.5)
+    with filming() as film:
+        frames = camera_frames(film.server.url, None, lambda: False)
+        assert next(frames).size_px == SIZE
+        film.kill()
+        with pytest.raises(CameraError, match="no frame for"):
+            list(frames)
 
 
 def test_a_server_that_accepts_and_never_answers_again_does_not_block() -> None:
