@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from math import isfinite
 from types import NoneType, UnionType
@@ -75,15 +75,17 @@ def form(hint: Any) -> Form:
 
 
 def _record(kind: Any) -> Form:
+    """Fields that an older file does not know yet are left to their defaults."""
     hints = get_type_hints(kind)
     parts = tuple((field.name, form(hints[field.name])) for field in fields(kind))
+    newer = {field.name for field in fields(kind) if field.default is not MISSING}
 
     def _encode(value: Any) -> Plain:
         return {name: part.encode(getattr(value, name)) for name, part in parts}
 
     def _decode(plain: Any) -> Any:
-        known = {name: part.decode(plain[name]) for name, part in parts if name in plain}
-        return kind(**known)  # what an old recording lacks takes its default
+        known = [one for one in parts if one[0] in plain or one[0] not in newer]
+        return kind(**{name: part.decode(plain[name]) for name, part in known})
 
     properties: dict[str, Plain] = {name: part.schema for name, part in parts}
     return Form(_encode, _decode, {"type": "object", "properties": properties})

@@ -49,11 +49,15 @@ class FrameStamp:
         t_capture: when the picture was taken [s].
         sequence: running number given by the source.
         camera_id: name of the source.
+        t_arrival: when it was at hand [s], None if nobody knows (or in an older session).
+        surely_new: whether the source vouched for a new picture.
     """
 
     t_capture: float
     sequence: int
     camera_id: str
+    t_arrival: float | None = None
+    surely_new: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,7 +228,9 @@ def join(parts: Mapping[str, Any], image: NDArray[np.uint8] | None) -> Moment:
 
 
 def _stamp(frame: Frame) -> FrameStamp:
-    return FrameStamp(frame.t_capture, frame.sequence, frame.camera_id)
+    return FrameStamp(
+        frame.t_capture, frame.sequence, frame.camera_id, frame.t_arrival, frame.surely_new
+    )
 
 
 def _frame(stamp: FrameStamp | None, image: NDArray[np.uint8] | None) -> Frame | None:
@@ -232,4 +238,6 @@ def _frame(stamp: FrameStamp | None, image: NDArray[np.uint8] | None) -> Frame |
         return None
     if image is None:
         raise ValueError(f"frame {stamp.sequence} has no picture that can be decoded")
-    return as_frame(image, stamp.t_capture, stamp.sequence, stamp.camera_id)
+    return as_frame(
+        image, stamp.t_capture, stamp.sequence, stamp.camera_id, stamp.t_arrival, stamp.surely_new
+    )

@@ -52,6 +52,19 @@ class Latencies:
 
 
 @dataclass(frozen=True, slots=True)
+class Arrival:
+    """How old frames were when they were at hand, median and 99th percentile.
+
+    Attributes:
+        p50: from capture to arrival [ms].
+        p99: the same [ms].
+    """
+
+    p50: float
+    p99: float
+
+
+@dataclass(frozen=True, slots=True)
 class RunResult:
     """What is said of a run.
 
@@ -70,6 +83,7 @@ class RunResult:
         commands_sent: number of commands.
         safety_events: in order of time.
         notes: what else was told, e.g. the initial rates and their spread.
+        arrival: None where no source knew; for people, not in the JSON object.
     """
 
     scenario: str
@@ -86,6 +100,7 @@ class RunResult:
     commands_sent: int
     safety_events: tuple[SafetyEvent, ...]
     notes: tuple[str, ...]
+    arrival: Arrival | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The result as the command line prints it.
@@ -95,6 +110,7 @@ class RunResult:
             `second_leader`, which only a follower of two has.
         """
         table = asdict(self)
+        del table["arrival"]
         table["followers"] = {str(f.follower): _plain(f) for f in self.followers}
         table["seen"] = {str(s.robot_id): s.frames for s in self.seen}
         table["safety_events"] = list(table["safety_events"])
@@ -128,6 +144,7 @@ class Scores:
         self._believed: list[tuple[tuple[float, ...], ...]] = []
         self._scenes: list[Scene] = []
         self._latencies: list[tuple[float, float, float]] = []
+        self._ages: list[float] = []  # of the frames on their arrival [s]
         self._events: list[SafetyEvent] = []
         self._notes: list[str] = []
         self._commands = 0
@@ -150,6 +167,9 @@ class Scores:
         if cycle.scene is not None:
             self._scenes.append(cycle.scene)
             self._latencies.append((timing.vision, timing.step, timing.frame_to_command))
+            frame = moment.tick.frame
+            if frame is not None and frame.t_arrival is not None:
+                self._ages.append(frame.t_arrival - frame.t_capture)
 
     def close(self) -> None:
         """Release nothing. Safe to call twice."""
@@ -182,6 +202,7 @@ class Scores:
             commands_sent=self._commands,
             safety_events=tuple(self._events),
             notes=tuple(self._notes),
+            arrival=Arrival(*_quantiles(self._ages)) if self._ages else None,
         )
 
     def _states(self, robots: Sequence[RobotState]) -> tuple[tuple[float, ...], ...]:
@@ -249,6 +270,10 @@ def _latencies(rows: list[tuple[float, float, float]]) -> Latencies | None:
     """Median and 99th percentile of times given in seconds."""
     if not rows:
         return None
-    middle, high = 1e3 * np.percentile(np.array(rows), (50, 99), axis=0)
-    pairs = [float(value) for both in zip(middle, high, strict=True) for value in both]
-    return Latencies(*pairs)
+    return Latencies(*(value for column in zip(*rows, strict=True) for value in _quantiles(column)))
+
+
+def _quantiles(times: Sequence[float]) -> tuple[float, float]:
+    """Median and 99th percentile [ms] of times in seconds."""
+    middle, high = 1e3 * np.percentile(times, (50, 99))
+    return float(middle), float(high)

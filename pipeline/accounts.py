@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Protocol, runtime_checkable
 
+from pipeline.cameras.report import Reporting, told
 from pipeline.live import Rig
 from pipeline.ports import CommandSink
 from pipeline.radios.report import SIMULATED, RobotReport
@@ -12,7 +13,7 @@ from pipeline.rigs import Tee
 
 @runtime_checkable
 class Dropping(Protocol):
-    """A camera, recorder or viewer that counts what it passed over."""
+    """A recorder or viewer that counts what it passed over."""
 
     @property
     def dropped(self) -> int:
@@ -31,7 +32,7 @@ class Screened(Protocol):
 
 
 @runtime_checkable
-class Reporting(Protocol):
+class Linked(Protocol):
     """A radio that says how the link to each robot is doing."""
 
     @property
@@ -72,12 +73,12 @@ def link_reports(sink: CommandSink) -> tuple[RobotReport, ...]:
         One report per robot and link.
     """
     parts = sink.parts if isinstance(sink, Tee) else (sink,)
-    return tuple(report for part in parts if isinstance(part, Reporting) for report in part.reports)
+    return tuple(report for part in parts if isinstance(part, Linked) for report in part.reports)
 
 
 def _lines(rig: Rig) -> Iterator[str]:
-    if isinstance(rig.source, Dropping) and rig.source.dropped:
-        yield f"camera: {rig.source.dropped} frames were passed over for newer ones"
+    if isinstance(rig.source, Reporting):
+        yield from told(rig.source.report)
     for sink in rig.sink.parts if isinstance(rig.sink, Tee) else (rig.sink,):
         if isinstance(sink, Screened) and (sink.screen.stale or sink.screen.refused):
             held = sink.screen

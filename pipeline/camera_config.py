@@ -23,12 +23,25 @@ class FloorConfig(Section):
     translation_m: tuple[Finite, Finite, Finite]
 
 
+class DeviceConfig(Section):
+    """What a camera at this machine is asked to hold still; what is not named stays as it is."""
+
+    pixel_format: Annotated[str, Field(pattern=r"^[A-Za-z0-9]{3,4}$")] | None = None
+    exposure_ms: Annotated[float, Field(gt=0, le=10_000)] | Literal["auto"] | None = None
+    gain: int | Literal["auto"] | None = None
+    focus: int | Literal["auto"] | None = None
+    white_balance_k: Annotated[int, Field(ge=1000, le=20_000)] | Literal["auto"] | None = None
+    power_line_hz: Literal[0, 50, 60, "auto"] | None = None
+    constant_rate: bool | None = None
+
+
 class CameraConfig(Section):
     """Where the camera hangs and what it delivers.
 
     A calibrated `lens` and `floor` win over field width, centre, mount height and distortion, which
     describe an ideal camera that looks straight down. A lens alone leaves the floor unknown. What
-    lies outside the polygon `field_px` is not searched.
+    lies outside the polygon `field_px` is not searched. `repeats` says what makes a picture the one
+    before: its pixels, or, where a strong codec makes still scenes so, a stamp that stands still.
     """
 
     width_px: Pixels = 320
@@ -43,6 +56,8 @@ class CameraConfig(Section):
     stamp_jitter_s: Annotated[float, Field(ge=0, le=0.1)] = 0.0
     dropped_share: Fraction = 0.0
     repeated_share: Fraction = 0.0
+    repeats: Literal["pixels", "stamps"] = "pixels"
+    device: DeviceConfig = DeviceConfig()
     other_sizes: Literal["refuse", "scale"] = "refuse"
     lens: LensConfig | None = None
     floor: FloorConfig | Literal["unknown"] | None = None

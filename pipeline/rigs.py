@@ -8,8 +8,11 @@ from control.unicycle import UnicycleState
 from datasets.carried import CarriedWay, carried_way
 from datasets.cycle import RobotState
 from datasets.world import Disturbance, RobotPlant, World
-from pipeline.cameras.device import CaptureFormat
+from pipeline.camera_config import CameraConfig
+from pipeline.cameras.capture_format import CaptureFormat
+from pipeline.cameras.newest import Habits
 from pipeline.cameras.open import CameraRequest, open_camera
+from pipeline.cameras.options import DeviceOptions
 from pipeline.cameras.rendered import RenderedCamera
 from pipeline.clock import MonotonicClock, VirtualClock
 from pipeline.config import RobotConfig, Scenario
@@ -107,14 +110,31 @@ def connect(
     if radio == "simulated":
         raise ConfigError("simulated robots are seen by the rendered camera only; use --radio none")
     clock = MonotonicClock()
-    c = scenario.camera
-    request = CameraRequest(c.latency_s, CaptureFormat((c.width_px, c.height_px), c.fps))
+    request = camera_request(scenario.camera)
     sink = _real_radio(scenario, radio or "none", clock, interrupted)
     try:
         return Rig(open_camera(camera, clock, request), sink, clock)
     except Exception:
         sink.close()
         raise
+
+
+def camera_request(camera: CameraConfig) -> CameraRequest:
+    """What a scenario asks of a real camera.
+
+    Args:
+        camera: its section.
+
+    Returns:
+        Latency, format, options and what is expected.
+    """
+    asked = camera.device.model_dump(exclude={"pixel_format"})
+    return CameraRequest(
+        camera.latency_s,
+        CaptureFormat((camera.width_px, camera.height_px), camera.fps, camera.device.pixel_format),
+        DeviceOptions(**asked),
+        Habits(fps=camera.fps, repeats=camera.repeats),
+    )
 
 
 def make_world(scenario: Scenario, seed: int = 0) -> World:

@@ -17,12 +17,16 @@ class Frame:
         t_capture: when the picture was taken, on the host's monotonic clock [s].
         sequence: running number given by the source.
         camera_id: name of the source.
+        t_arrival: when it was at hand, decoded, on the same clock [s]; None if nobody knows.
+        surely_new: the source vouches that it is a new picture, even with the pixels of the last.
     """
 
     image: NDArray[np.uint8]
     t_capture: float
     sequence: int
     camera_id: str = "camera"
+    t_arrival: float | None = None
+    surely_new: bool = False
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -31,7 +35,12 @@ class Frame:
 
 
 def as_frame(
-    image: NDArray[np.generic], t_capture: float, sequence: int, camera_id: str = "camera"
+    image: NDArray[np.generic],
+    t_capture: float,
+    sequence: int,
+    camera_id: str = "camera",
+    t_arrival: float | None = None,
+    surely_new: bool = False,
 ) -> Frame:
     """Check an image and wrap it as a frame.
 
@@ -40,6 +49,8 @@ def as_frame(
         t_capture: capture time [s], finite.
         sequence: running number.
         camera_id: name of the source.
+        t_arrival: when it was at hand [s], None if nobody knows.
+        surely_new: whether the source vouches for a new picture.
 
     Returns:
         A frame whose image is read-only and contiguous.
@@ -56,7 +67,7 @@ def as_frame(
         raise VisionError(f"{camera_id}, frame {sequence}: capture time is {t_capture}")
     pixels: NDArray[np.uint8] = np.ascontiguousarray(image, dtype=np.uint8).view()
     pixels.flags.writeable = False
-    return Frame(pixels, float(t_capture), sequence, camera_id)
+    return Frame(pixels, float(t_capture), sequence, camera_id, t_arrival, surely_new)
 
 
 def is_repeated(frame: Frame, before: Frame) -> bool:
@@ -68,11 +79,20 @@ def is_repeated(frame: Frame, before: Frame) -> bool:
 
     Returns:
         True if all pixels are equal; sensors are noisy, so the camera has sent one picture twice.
+        False if the source vouches for it.
     """
     one, other = frame.image, before.image
+    if frame.surely_new:
+        return False
     if one is other or one.shape != other.shape:
         return one is other
-    return np.array_equal(one[::32], other[::32]) and np.array_equal(one, other)
+    return np.array_equal(one[::32], other[::32]) and np.array_equal(_words(one), _words(other))
+
+
+def _words(image: NDArray[np.uint8]) -> NDArray[np.uint8] | NDArray[np.uint64]:
+    """All pixels, eight bytes at a time where they are so many: compared in half the time."""
+    flat = image.reshape(-1)
+    return flat if flat.size % 8 else flat.view(np.uint64)
 
 
 def check_size(frame: Frame, size_px: tuple[int, int]) -> None:

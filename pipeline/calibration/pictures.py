@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from datasets.errors import RecordingError
 from datasets.recorded import image_files, read_frames, read_image
 from datasets.video import IMAGE_SUFFIXES
-from pipeline.cameras.device import CaptureFormat
+from pipeline.cameras.capture_format import CaptureFormat
 from pipeline.cameras.open import CameraRequest, open_camera
 from pipeline.clock import MonotonicClock
-from pipeline.errors import ConfigError
+from pipeline.errors import CameraError, ConfigError
+from pipeline.glimpses import SILENT
 from pipeline.ports import EndOfStream
 from vision.calibration.board import Board
 from vision.calibration.detect import BoardView, find_board
@@ -168,15 +169,19 @@ def camera_frames(
     if spec == "rendered":
         raise ConfigError("calibrate camera: the rendered camera needs no calibration")
     with closing(open_camera(spec, clock, CameraRequest(wanted=CaptureFormat(size_px)))) as camera:
+        given_up = clock.now() + SILENT
         while not interrupted():
             try:
                 frame = camera.latest(clock.now())
             except EndOfStream:
                 return
-            if frame is None:
+            if frame is not None:
+                yield frame
+                given_up = clock.now() + SILENT
+            elif clock.now() > given_up:
+                raise CameraError(f"camera {spec}: no frame for {SILENT:.0f} s")
+            else:
                 clock.wait_until(clock.now() + _PATIENCE)
-                continue
-            yield frame
 
 
 def _from_stills(files: tuple[Path, ...], board: Board) -> Gathered:

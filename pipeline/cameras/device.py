@@ -4,44 +4,57 @@ import glob
 import os
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import replace
 
 import cv2
 import numpy as np
 
-from pipeline.cameras.newest import NewestFrame, Picture
+from pipeline.cameras.capture_format import (
+    ANY_FORMAT,
+    CaptureFormat,
+    format_refused,
+    fourcc,
+    pixels_named,
+)
+from pipeline.cameras.newest import USUAL, Habits, NewestFrame
+from pipeline.cameras.options import AS_IT_IS, DeviceOptions, apply
+from pipeline.cameras.reader import Picture
+from pipeline.cameras.v4l2 import V4l2Device
 from pipeline.errors import CameraError
+from pipeline.notice import tell
 from pipeline.ports import Clock
 
 OLDEST_STAMP = 1.0  # a driver's stamp further back than this is of another clock [s]
-
-
-@dataclass(frozen=True, slots=True)
-class CaptureFormat:
-    """What is asked of a device; None leaves it to the driver.
-
-    Attributes:
-        size_px: width and height [px].
-        fps: frames per second.
-    """
-
-    size_px: tuple[int, int] | None = None
-    fps: float | None = None
+# The reader always waits for the next picture, so a queue never builds up; with a single buffer the
+# camera would have nowhere to put a picture while the one before is being decoded.
+BUFFERS = 2
+MOST_DAMAGED = 30  # JPEGs in a row that cannot be decoded; a single one is left out
+os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2")  # else a hung camera blocks 10 s
+SLOW_HINT = (
+    ": usually the exposure is longer than a frame; give more light, or lock it shorter "
+    "(camera.device.exposure_ms); echelon cameras lists the rates of each format"
+)
 
 
 class DeviceReader:
     """Reads one device, picture by picture; see FrameReader."""
 
     def __init__(
-        self, device: int | str, clock: Clock, latency: float, wanted: CaptureFormat
+        self,
+        device: int | str,
+        clock: Clock,
+        latency: float,
+        wanted: CaptureFormat,
+        options: DeviceOptions = AS_IT_IS,
     ) -> None:
-        """Open the device and set its format.
+        """Open the device, set its format and then what it is asked to hold still.
 
         Args:
             device: index or path.
             clock: the run's clock.
             latency: from the picture to its arrival, where the driver gives no time [s].
             wanted: format to set; the device must agree.
+            options: exposure and the like; where the device does otherwise the user is told.
 
         Raises:
             CameraError: if the device is missing, busy, forbidden, or refuses the format.
@@ -55,6 +68,8 @@ class DeviceReader:
         if not self._capture.isOpened():
             raise CameraError(f"camera {self._name}: is no camera, or another program uses it")
         self._set(wanted)
+        for line in refused_options(self._name, options, wanted.fps):
+            tell(f"camera {self._name}: {line}")
 
     def read(self) -> Picture:
         """Wait for the next picture.
@@ -63,22 +78,32 @@ class DeviceReader:
             It, with its capture time on the run's clock.
 
         Raises:
-            CameraError: if the device gives none.
+            CameraError: if the device gives none, or damaged ones only.
         """
-        ok, image = self._capture.read()
-        if not ok:
-            raise CameraError(f"camera {self._name}: gives no more pictures (unplugged?)")
-        stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
-        age = stamp_age(stamp, time.monotonic())
-        t_capture = self._clock.now() - (self._latency if age is None else age)
-        return Picture(np.asarray(image, dtype=np.uint8), t_capture)
+        for _ in range(MOST_DAMAGED):
+            if not self._capture.grab():
+                raise CameraError(f"camera {self._name}: gives no more pictures (unplugged?)")
+            ok, image = self._capture.retrieve()
+            if ok:
+                return self._picture(image)
+        raise CameraError(f"camera {self._name}: {MOST_DAMAGED} damaged pictures in a row")
 
     def release(self) -> None:
         """Give the device back."""
         self._capture.release()
 
+    def _picture(self, image: cv2.typing.MatLike) -> Picture:
+        stamp = self._capture.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
+        age, now = stamp_age(stamp, time.monotonic()), self._clock.now()
+        pixels = np.asarray(image, dtype=np.uint8)
+        if age is None:
+            return Picture(pixels, now - self._latency, now)
+        return Picture(pixels, now - age, now, stamp)
+
     def _set(self, wanted: CaptureFormat) -> None:
-        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, 1)
+        self._capture.set(cv2.CAP_PROP_BUFFERSIZE, BUFFERS)
+        if wanted.pixels is not None:  # first: sizes and rates depend on it
+            self._capture.set(cv2.CAP_PROP_FOURCC, fourcc(wanted.pixels))
         if wanted.size_px is not None:
             self._capture.set(cv2.CAP_PROP_FRAME_WIDTH, wanted.size_px[0])
             self._capture.set(cv2.CAP_PROP_FRAME_HEIGHT, wanted.size_px[1])
@@ -90,6 +115,7 @@ class DeviceReader:
                 round(self._capture.get(cv2.CAP_PROP_FRAME_HEIGHT)),
             ),
             self._capture.get(cv2.CAP_PROP_FPS),
+            pixels_named(self._capture.get(cv2.CAP_PROP_FOURCC)),
         )
         refusal = format_refused(wanted, got)
         if refusal:
@@ -101,8 +127,9 @@ def open_device(
     device: int | str,
     clock: Clock,
     latency: float = 0.0,
-    wanted: CaptureFormat = CaptureFormat(),
-    timeout: float = 5.0,
+    wanted: CaptureFormat = ANY_FORMAT,
+    options: DeviceOptions = AS_IT_IS,
+    habits: Habits = USUAL,
 ) -> NewestFrame:
     """Open a camera at this machine.
 
@@ -111,7 +138,8 @@ def open_device(
         clock: the run's clock.
         latency: from the picture to its arrival, where the driver gives no time [s].
         wanted: format to set; the device must agree.
-        timeout: longest wait for opening [s].
+        options: exposure and the like, set at every opening.
+        habits: what is expected of the camera.
 
     Returns:
         A frame source that keeps only the newest frame.
@@ -120,7 +148,32 @@ def open_device(
         CameraError: if the device is missing, busy, forbidden, or refuses the format.
     """
     name = device_path(device)
-    return NewestFrame(name, lambda: DeviceReader(device, clock, latency, wanted), timeout)
+    habits = replace(habits, slow_hint=SLOW_HINT)
+    return NewestFrame(
+        name, lambda: DeviceReader(device, clock, latency, wanted, options), clock, habits
+    )
+
+
+def refused_options(path: str, options: DeviceOptions, fps: float | None) -> tuple[str, ...]:
+    """Set what a device is asked to hold still.
+
+    Args:
+        path: of the device.
+        options: what is asked for.
+        fps: the frame rate asked for, None if none is [1/s].
+
+    Returns:
+        One line for each thing that is not as asked.
+    """
+    if options == AS_IT_IS:
+        return ()
+    if not _IS_LINUX:
+        return ("exposure, gain, focus and white balance can be set on Linux only",)
+    try:
+        with V4l2Device(path) as device:
+            return tuple(apply(options, device, fps))
+    except OSError as error:
+        return (f"exposure and the like cannot be set ({error.strerror})",)
 
 
 def stamp_age(stamp: float, monotonic_now: float) -> float | None:
@@ -135,24 +188,6 @@ def stamp_age(stamp: float, monotonic_now: float) -> float | None:
     """
     age = monotonic_now - stamp
     return age if 0.0 <= age < OLDEST_STAMP else None
-
-
-def format_refused(wanted: CaptureFormat, got: CaptureFormat) -> str | None:
-    """Compare what was asked for with what the device does.
-
-    Args:
-        wanted: what was asked for.
-        got: what the device reports after setting it.
-
-    Returns:
-        One sentence with the numbers, None if they agree.
-    """
-    if wanted.size_px is not None and got.size_px is not None and wanted.size_px != got.size_px:
-        asked, done = ("x".join(map(str, size)) for size in (wanted.size_px, got.size_px))
-        return f"does not do {asked} px, it offers {done} px"
-    if wanted.fps is not None and got.fps and abs(got.fps - wanted.fps) > 0.02 * wanted.fps:
-        return f"does not do {wanted.fps:g} frames/s, it offers {got.fps:g}"
-    return None
 
 
 def device_path(device: int | str) -> str:

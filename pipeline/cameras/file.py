@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.cameras.report import CameraReport
 from pipeline.cameras.stream import reason_of
+from pipeline.cameras.tally import Tally
 from pipeline.errors import CameraError
 from pipeline.ports import EndOfStream
 from vision.frame import Frame, as_frame
@@ -16,23 +18,20 @@ _SLACK = 1e-9  # a frame is not late for the rounding of its time [s]
 
 
 class FileCamera:
-    """Plays a video: its first frame is taken at the first cycle, the others as they are spaced.
+    """Plays a video: its first frame is taken at the first cycle, the others as they are spaced."""
 
-    Attributes:
-        dropped: frames that were passed over because a newer one had arrived.
-    """
-
-    def __init__(self, path: str, latency: float = 0.0) -> None:
+    def __init__(self, path: str, latency: float = 0.0, asked_fps: float | None = None) -> None:
         """Open the file and decode its first frame.
 
         Args:
             path: of the video.
             latency: from a frame's time to its delivery [s].
+            asked_fps: frames per second that were asked for, None if nothing was [1/s].
 
         Raises:
             CameraError: if it cannot be read or holds no video.
         """
-        self._path, self._latency, self.dropped = path, latency, 0
+        self._path, self._latency, self._tally = path, latency, Tally(asked_fps)
         self._container = _open(path)
         self._frames = self._decode()
         self._sequence, self._ahead = 0, self._next()
@@ -40,6 +39,11 @@ class FileCamera:
         if self._ahead is None:
             self.close()
             raise CameraError(f"camera {path}: the video has no frame")
+
+    @property
+    def report(self) -> CameraReport:
+        """What was delivered so far."""
+        return self._tally.report
 
     def latest(self, now: float) -> Frame | None:
         """Hand out the newest frame that is due.
@@ -60,12 +64,14 @@ class FileCamera:
             self._origin = now - self._ahead[0]
         due: tuple[float, NDArray[np.uint8]] | None = None
         while self._ahead and self._origin + self._ahead[0] + self._latency <= now + _SLACK:
-            self.dropped += due is not None
+            self._tally.dropped += due is not None
             due, self._ahead = self._ahead, self._next()
+            t = self._origin + due[0]
+            self._tally.receive(t, t + self._latency)
             self._sequence += 1
         if due is None:
             return None
-        return as_frame(due[1], self._origin + due[0], self._sequence - 1, self._path)
+        return as_frame(due[1], t, self._sequence - 1, self._path, t + self._latency)
 
     def close(self) -> None:
         """Close the file. Safe to call twice."""

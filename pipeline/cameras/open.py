@@ -1,10 +1,13 @@
 """From a camera's SPEC, as the command line writes it, to its adapter."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.cameras.device import CaptureFormat, open_device
+from pipeline.cameras.capture_format import ANY_FORMAT, CaptureFormat
+from pipeline.cameras.device import open_device
 from pipeline.cameras.file import FileCamera
+from pipeline.cameras.newest import USUAL, Habits
+from pipeline.cameras.options import AS_IT_IS, DeviceOptions
 from pipeline.cameras.stream import open_stream
 from pipeline.errors import ConfigError
 from pipeline.ports import Clock, FrameSource
@@ -19,13 +22,15 @@ class CameraRequest:
 
     Attributes:
         latency: from the picture to its earliest arrival [s].
-        wanted: size and rate a device must agree to.
-        timeout: longest wait for opening [s].
+        wanted: format that a device must agree to.
+        options: exposure, gain and the like that a device is asked for.
+        habits: what is expected of it.
     """
 
     latency: float = 0.0
-    wanted: CaptureFormat = field(default_factory=CaptureFormat)
-    timeout: float = 5.0
+    wanted: CaptureFormat = ANY_FORMAT
+    options: DeviceOptions = AS_IT_IS
+    habits: Habits = USUAL
 
 
 def open_camera(spec: str, clock: Clock, request: CameraRequest = CameraRequest()) -> FrameSource:
@@ -45,10 +50,12 @@ def open_camera(spec: str, clock: Clock, request: CameraRequest = CameraRequest(
     """
     scheme, separator, _ = spec.partition("://")
     if separator and scheme.lower() in URL_SCHEMES:
-        return open_stream(spec, clock, request.latency, request.timeout)
+        return open_stream(spec, clock, request.latency, request.habits)
     if spec.isdecimal() or spec.startswith("/dev/"):
         device = int(spec) if spec.isdecimal() else spec
-        return open_device(device, clock, request.latency, request.wanted, request.timeout)
+        return open_device(
+            device, clock, request.latency, request.wanted, request.options, request.habits
+        )
     if spec and not separator and (Path(spec).suffix or Path(spec).exists()):
-        return FileCamera(spec, request.latency)
+        return FileCamera(spec, request.latency, request.habits.fps)
     raise ConfigError(f"camera {spec!r}: need {KINDS}")

@@ -5,6 +5,8 @@ from math import floor
 from datasets.render import Renderer
 from datasets.world import World
 from pipeline.cameras.delivery import Delivery
+from pipeline.cameras.report import CameraReport
+from pipeline.cameras.tally import Tally
 from pipeline.ports import EndOfStream
 from vision.frame import Frame, as_frame
 
@@ -15,9 +17,7 @@ _SLACK = 1e-9  # a frame is not missed for the rounding of its time [s]
 class RenderedCamera:
     """Takes picture n at n / fps and delivers it after the latency; only delivered ones are drawn.
 
-    Attributes:
-        dropped: pictures that were passed over because a newer one had arrived; those lost on
-            their way are not counted, as nobody knows of them.
+    Pictures lost on their way are not counted, as nobody knows of them.
     """
 
     def __init__(
@@ -42,7 +42,12 @@ class RenderedCamera:
         self._world, self._renderer = world, renderer
         self._fps, self._latency, self._duration = fps, latency, duration
         self._delivery = delivery
-        self._next, self.dropped = 0, 0
+        self._next, self._tally = 0, Tally()
+
+    @property
+    def report(self) -> CameraReport:
+        """What was delivered so far."""
+        return self._tally.report
 
     def latest(self, now: float) -> Frame | None:
         """Draw the newest picture that has arrived.
@@ -66,7 +71,9 @@ class RenderedCamera:
         self._next = number + 1
         if not arrived:
             return None
-        self.dropped += len(arrived) - 1
+        for t in (n / self._fps for n in arrived):
+            self._tally.receive(t, t + self._latency)
+        self._tally.dropped += len(arrived) - 1
         return self._taken(arrived[-1])
 
     def taken_at(self, sequence: int) -> float:
@@ -88,7 +95,7 @@ class RenderedCamera:
         t = self.taken_at(number)
         image = self._renderer.render(self._world.states(t), t)
         stamp = self._delivery.stamp(number, number / self._fps, 1.0 / self._fps)
-        return as_frame(image, stamp, number, "rendered")
+        return as_frame(image, stamp, number, "rendered", number / self._fps + self._latency)
 
     def _newest(self, t: float) -> int:
         """Number of the last picture taken by t."""

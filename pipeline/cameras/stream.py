@@ -1,10 +1,12 @@
 """A network camera: MJPEG over HTTP, RTSP, or MPEG-TS over UDP, decoded with the least delay."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 from urllib.parse import urlsplit, urlunsplit
 
-from pipeline.cameras.newest import NewestFrame, Picture
+from pipeline.cameras.newest import USUAL, Habits, NewestFrame
+from pipeline.cameras.reader import Picture
 from pipeline.cameras.timing import StreamTiming
 from pipeline.errors import CameraError
 from pipeline.ports import Clock
@@ -13,6 +15,7 @@ READ_TIMEOUT = 2.0  # a stream that is silent for longer has failed [s]
 # What has queued up while the stream was probed says nothing about delays: it is decoded but not
 # shown, until a packet had to be waited for.
 BACKLOG, BACKLOG_WAIT = 100, 0.010  # packets at most, wait that ends it [1, s]
+SLOW_HINT = ": set the rate at the camera, or say camera.fps as it is; or the network is too slow"
 
 # What FFmpeg would hold back for smoothness is wrong for control: the newest picture counts.
 LOW_DELAY = {
@@ -95,7 +98,8 @@ class StreamReader:
     def _picture(self, frame: Any, arrival: float) -> Picture:
         timestamp = frame.time if self._has_times else None
         t_capture = self._timing.capture_time(timestamp, arrival)
-        return Picture(frame.to_ndarray(format="bgr24"), t_capture)
+        image = frame.to_ndarray(format="bgr24")
+        return Picture(image, t_capture, self._clock.now(), timestamp)
 
     def _intact(self, packet: Any) -> list[Any]:
         """Decode. After damage nothing is shown until a whole key frame: what a decoder puts where
@@ -113,14 +117,16 @@ class StreamReader:
         return shown
 
 
-def open_stream(url: str, clock: Clock, latency: float = 0.0, timeout: float = 5.0) -> NewestFrame:
+def open_stream(
+    url: str, clock: Clock, latency: float = 0.0, habits: Habits = USUAL
+) -> NewestFrame:
     """Open a network camera.
 
     Args:
         url: http (MJPEG), rtsp or udp address.
         clock: the run's clock.
         latency: from the picture to its earliest arrival, as measured for this camera [s].
-        timeout: longest wait for opening [s].
+        habits: what is expected of the camera.
 
     Returns:
         A frame source that keeps only the newest frame.
@@ -129,7 +135,10 @@ def open_stream(url: str, clock: Clock, latency: float = 0.0, timeout: float = 5
         CameraError: if nothing answers in time or there is no video.
     """
     name = public_name(url)
-    return NewestFrame(name, lambda: StreamReader(url, clock, latency, timeout), timeout)
+    habits = replace(habits, slow_hint=SLOW_HINT)
+    return NewestFrame(
+        name, lambda: StreamReader(url, clock, latency, habits.timeout), clock, habits
+    )
 
 
 def public_name(url: str) -> str:

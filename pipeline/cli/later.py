@@ -1,23 +1,18 @@
 """Commands of the contract that are not built yet: they say so, with exit status 2."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import Annotated
 
 import typer
 
 from pipeline.errors import ConfigError
 
-LATER = {
-    "cameras": "what can be opened; until then: echelon live --camera SPEC says what is wrong",
-}
-
 CALIBRATE = {
     "robots": "lag and speed errors from a drive; until then: write [[robots]] by hand",
 }
 
 
-def register(app: typer.Typer, commands: Mapping[str, str] = MappingProxyType(LATER)) -> None:
+def register(app: typer.Typer, commands: Mapping[str, str]) -> None:
     """Add commands to a command line.
 
     Args:

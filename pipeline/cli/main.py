@@ -10,8 +10,9 @@ import typer
 from control.errors import EchelonError
 from pipeline.cli import (
     calibrate,
+    cameras,
     check,
-    later,
+    doctor,
     live,
     locate,
     render,
@@ -55,10 +56,21 @@ def general(
     del version, debug  # one has its callback, the other is taken before arguments are parsed
 
 
-for command in (live, replay, simulate, render, locate, report, check, study, tags):
+for command in (
+    live,
+    replay,
+    simulate,
+    render,
+    locate,
+    report,
+    check,
+    doctor,
+    cameras,
+    study,
+    tags,
+):
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 app.add_typer(calibrate.calibrate)
-later.register(app)
 
 USAGE, DEVICE = 2, 3
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from datasets.cycle import SafetyEvent
 from datasets.sightings import VisionScore
-from datasets.truth import Latencies, RunResult
+from datasets.truth import Arrival, Latencies, RunResult
 from pipeline.finding import Finding
 
 
@@ -70,6 +70,29 @@ class Output:
             mark = "ok" if finding.holds else "FAILS" if finding.binding else "open"
             self.say(f"{mark:6} {finding.topic}: {finding.detail}")
 
+    def diagnosis(self, findings: Sequence[Finding]) -> None:
+        """Print what was found about the machine.
+
+        Args:
+            findings: in reading order.
+        """
+        if self.as_json:
+            rows = [
+                {
+                    "topic": f.topic,
+                    "found": f.detail,
+                    "verdict": f.verdict,
+                    "remedy": f.remedy or None,
+                }
+                for f in findings
+            ]
+            self.object({"findings": rows})
+            return
+        for finding in findings:
+            self.say(f"{finding.verdict:8} {finding.topic}: {finding.detail}")
+            if finding.remedy:
+                self.say(f"{'':8} -> {finding.remedy}")
+
     def table(self, title: str, header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
         """Print a table with aligned columns.
 
@@ -101,7 +124,7 @@ def _run_tables(result: RunResult) -> Tables:
     if result.vision is not None:
         yield "Vision against the truth", *_vision(result.vision)
     if result.latency_ms is not None:
-        yield "Computing time", *_latencies(result.latency_ms)
+        yield "Latency", *_latencies(result.latency_ms, result.arrival)
     yield "Run", ("what", "value"), _run(result)
 
 
@@ -131,8 +154,10 @@ def _vision(vision: VisionScore) -> tuple[Sequence[str], Rows]:
     return header, [row]
 
 
-def _latencies(times: Latencies) -> tuple[Sequence[str], Rows]:
-    rows = [
+def _latencies(times: Latencies, arrival: Arrival | None) -> tuple[Sequence[str], Rows]:
+    """Capture to arrival where it is known, then computing times."""
+    rows = [("capture to arrival", arrival.p50, arrival.p99)] if arrival else []
+    rows += [
         ("vision", times.vision_p50, times.vision_p99),
         ("whole step", times.step_p50, times.step_p99),
         ("frame to command", times.frame_to_command_p50, times.frame_to_command_p99),

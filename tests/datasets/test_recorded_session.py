@@ -18,7 +18,7 @@ from mcap.reader import make_reader
 
 import datasets.session_writer as session_writer
 from control.unicycle import UnicycleState
-from datasets.cycle import Moment, RobotState
+from datasets.cycle import Moment, RobotState, Tick
 from datasets.errors import RecordingError
 from datasets.recorded import (
     SessionHeader,
@@ -28,6 +28,7 @@ from datasets.recorded import (
     software_versions,
 )
 from datasets.session_codec import dumps, form
+from datasets.session_format import decode_part, split
 from tests.datasets.recorded_moments import moments
 from vision.frame import as_frame
 from vision.scene import Scene
@@ -266,3 +267,18 @@ def test_full_disk_is_reported_at_the_end(run: list[Moment]) -> None:
         pytest.skip("needs /dev/full")
     with pytest.raises(RecordingError, match=r"/dev/full: .*space"):
         record(Path("/dev/full"), run[:50])
+
+
+def test_what_an_older_session_does_not_know_takes_its_default() -> None:
+    """Arrivals came later; a session recorded before them is read as ever."""
+    frame = as_frame(np.zeros((4, 6, 3), np.uint8), 0.1, 3, "cam", 0.14, True)
+    moment = replace(next(moments()), tick=Tick(0.2, frame))
+    parts = dict(split(moment))
+    inputs = json.loads(dumps(parts["/inputs"]))
+    for key in ("t_arrival", "surely_new"):
+        del inputs["inputs"]["frame"][key]
+    stamp = decode_part("/inputs", inputs)["inputs"].frame
+    assert (stamp.t_capture, stamp.t_arrival, stamp.surely_new) == (0.1, None, False)
+    del inputs["inputs"]["frame"]["sequence"]
+    with pytest.raises(KeyError):
+        decode_part("/inputs", inputs)

@@ -16,6 +16,7 @@ from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import Motions, follower_errors, follower_score, settled_at
 from datasets.truth import RunResult, Scores
 from vision.camera import overhead_camera
+from vision.frame import as_frame
 from vision.scene import Detection, PixelPose, Rejection, Scene
 
 CAMERA = overhead_camera((320, 240), 2.4, (0.5, 0.4), 2.5, 0.075)
@@ -123,6 +124,22 @@ def test_counts_times_and_events() -> None:
     assert result.latency_ms.vision_p50 == pytest.approx(0.2)
     assert result.latency_ms.step_p99 == pytest.approx(0.5)
     assert result.latency_ms.frame_to_command_p50 == pytest.approx(0.6)
+
+
+def test_how_old_frames_were_on_arrival_is_told_where_it_is_known() -> None:
+    assert run().arrival is None
+    scores, image = Scores(FORMATION, D, PATH, CAMERA, 0.075), np.zeros((4, 6, 3), np.uint8)
+    scene = seen((), 0.0, 0.0)
+    for n in range(100):
+        t = 0.1 * n
+        frame = as_frame(image, t, n, t_arrival=t + (0.09 if n == 7 else 0.03) if n > 1 else None)
+        cycle = Cycle(t, t, "running", None, scene, (), (), None, (), ())
+        scores.observe(Moment(Tick(t, frame), cycle, (), Timing(0.0, 0.0, 0.0)))
+    arrival = scores.result("test", 1.0).arrival
+    assert arrival is not None
+    assert arrival.p50 == pytest.approx(30.0)
+    assert 30.0 < arrival.p99 < 90.0
+    assert "arrival" not in scores.result("test", 1.0).to_json()
 
 
 def test_json_has_the_keys_of_the_contract() -> None:

@@ -37,17 +37,19 @@ class Streamer(Protocol):
 class MjpegServer:
     """An HTTP camera as IP cameras and phones serve it: multipart/x-mixed-replace of JPEGs."""
 
-    def __init__(self, quality: int = 90) -> None:
-        """Listen on a free port.
+    def __init__(self, quality: int = 90, port: int = 0) -> None:
+        """Listen.
 
         Args:
             quality: of the JPEGs, 1 to 100.
+            port: on loopback; a free one if 0.
         """
         self._quality = [int(cv2.IMWRITE_JPEG_QUALITY), quality]
         self._news = threading.Condition()
         self._jpeg, self._count, self._ended = b"", 0, False
-        self._server = ThreadingHTTPServer(("127.0.0.1", 0), _handler(self))
+        self._server = ThreadingHTTPServer(("127.0.0.1", port), _handler(self))
         self._server.daemon_threads = True
+        self.port = self._server.server_port
         self.url = f"http://127.0.0.1:{self._server.server_port}/stream"
         threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
 

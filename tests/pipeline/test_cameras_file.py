@@ -57,7 +57,7 @@ def test_the_newest_due_frame_wins(video: str) -> None:
     assert frame is not None
     assert frame.sequence == 3
     assert frame.t_capture == pytest.approx(1.35)
-    assert camera.dropped == 2
+    assert camera.report.dropped == 2
     assert camera.latest(1.37) is None
 
 

@@ -46,7 +46,7 @@ def test_every_picture_is_taken_at_its_instant_and_comes_after_the_latency(perio
     assert [frame.t_capture for frame in given] == [n / FPS for n in range(len(given))]
     assert [frame.sequence for frame in given] == list(range(len(given)))
     assert len(given) in (58, 59)
-    assert camera.dropped == 0
+    assert camera.report.dropped == 0
     assert len(sketch.drawn) == len(given)
 
 
@@ -71,7 +71,7 @@ def test_who_comes_late_gets_the_newest_and_only_that_one_is_drawn() -> None:
     assert frame is not None
     assert frame.t_capture == 13 / FPS
     assert camera.latest(0.501) is None
-    assert camera.dropped == 13
+    assert camera.report.dropped == 13
     assert len(sketch.drawn) == 1
 
 

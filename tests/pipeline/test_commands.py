@@ -47,7 +47,6 @@ KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "mi
         (("simulate", "--sweep", "sensor.blur_px=1,2"), 2, "sensor.blur_px"),
         (("simulate", "--runs", "2", "--trajectory", "t.csv"), 2, "--trajectory is of one run"),
         (("calibrate", "robots"), 2, "not in this version"),
-        (("cameras",), 2, "not in this version"),
     ],
 )
 def test_wrong_use_is_one_clear_line(arguments: tuple[str, ...], status: int, said: str) -> None:

@@ -46,7 +46,7 @@ def filmed(delivery: Delivery, seconds: float = 8.0) -> tuple[list[Frame], Rende
 def test_some_frames_never_arrive_and_nobody_knows() -> None:
     frames, camera = filmed(Delivery(dropped=0.2, seed=1))
     assert len(frames) / 240 == pytest.approx(0.8, abs=0.06)
-    assert camera.dropped == 0
+    assert camera.report.dropped == 0
     assert all(f.t_capture == f.sequence / FPS for f in frames)
     assert [f.sequence for f in frames] == sorted({f.sequence for f in frames})
 
