@@ -12,10 +12,6 @@ LATER = {
     "cameras": "what can be opened; until then: echelon live --camera SPEC says what is wrong",
 }
 
-CALIBRATE = {
-    "robots": "lag and speed errors from a drive; until then: write [[robots]] by hand",
-}
-
 
 def register(app: typer.Typer, commands: Mapping[str, str] = MappingProxyType(LATER)) -> None:
     """Add commands to a command line.
