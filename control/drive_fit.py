@@ -111,8 +111,8 @@ def fit_drive(sent: SentCommands, seen: Sequence[SeenPose]) -> DriveFit:
         _residuals, (*poses[0], *_GUESS), bounds=(_LOW, _HIGH), x_scale=_SCALE,
         loss="soft_l1", f_scale=_OUTLIER,
     )  # fmt: skip
-    errors = _errors(result.x, sent, times, poses)
-    return _as_fit(result.x, _covariance(result), errors)
+    _require_told(result)
+    return _as_fit(result.x, _covariance(result), _errors(result.x, sent, times, poses))
 
 
 def driven_poses(
@@ -154,10 +154,21 @@ def _tag_poses(parameters: Floats, sent: SentCommands, times: Floats) -> Floats:
     return np.array(poses)
 
 
+def _require_told(result: OptimizeResult) -> None:
+    """Refuse what was driven if it does not tell the whole drive."""
+    if min(result.x[_DRIVE][:2]) < _HARDLY:
+        raise ControlError("it hardly moved when told to")
+    doubt = np.diag(1e-6 / np.square(_SCALE))  # what nothing depends on gets an error, too
+    spreads = np.sqrt(np.diag(np.linalg.inv(result.jac.T @ result.jac + doubt)))[_DRIVE]
+    vague = [n for n, s, most in zip(_NAMES, spreads, _VAGUE, strict=True) if not s < most]
+    if vague:
+        raise ControlError(f"what was driven does not tell its {', '.join(vague)}")
+
+
 def _covariance(result: OptimizeResult) -> Floats:
     """Of the drive's parameters; errors of poses in a row are not independent (Newey, West)."""
     jacobian: Floats = result.jac
-    bread = np.linalg.pinv(jacobian.T @ jacobian)
+    bread = np.linalg.inv(jacobian.T @ jacobian)
     scores = (jacobian * result.fun[:, None]).reshape(-1, 3, result.x.size).sum(axis=1)
     meat = scores.T @ scores
     for apart in range(1, _ALIKE):
@@ -168,14 +179,8 @@ def _covariance(result: OptimizeResult) -> Floats:
 
 
 def _as_fit(parameters: Floats, covariance: Floats, errors: Floats) -> DriveFit:
-    """The parameters by their names, if they mean anything."""
+    """The parameters by their names."""
     mx, my, turned, gain_v, gain_omega, lag, delay = parameters[3:].tolist()
-    if min(gain_v, gain_omega) < _HARDLY:
-        raise ControlError("it hardly moved when told to")
-    spreads = np.sqrt(np.diag(covariance))
-    vague = [n for n, s, most in zip(_NAMES, spreads, _VAGUE, strict=True) if not s < most]
-    if vague:
-        raise ControlError(f"what was seen does not tell its {', '.join(vague)}")
     position, heading = (errors[:, :2] ** 2).sum(axis=1), errors[:, 2] ** 2
     return DriveFit(
         DriveGain(gain_v, gain_omega), lag, delay, Pose2D(mx, my, wrap_angle(turned)), covariance,

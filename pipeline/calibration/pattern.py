@@ -104,7 +104,7 @@ def there_and_back(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
     return (*stretches, *back)
 
 
-_SWINGS = (0.2, 0.4, 0.35, 0.3, 0.25, 0.2, 0.15, 0.1)  # about the middle, shrinking [s]
+_SWINGS = (0.2, 0.4, 0.3, 0.2, 0.15, 0.1)  # about the middle, shrinking [s]
 _BEFORE = (Stretch(0.3, STANDSTILL),)  # poses at rest
 _AFTER = (Stretch(0.5, STANDSTILL),)  # until the last command has had its effect
 _PAUSE = (Stretch(0.1, STANDSTILL),)
@@ -117,7 +117,7 @@ DRIVING = Pattern(
             *_PAUSE,
             *chirp(_SWINGS, 0.15, 0.0),
             *_PAUSE,
-            *chirp(_SWINGS[:5], 0.15, 2.0),
+            *chirp(_SWINGS[:4], 0.15, 2.0),
         )
     )
     + _AFTER
