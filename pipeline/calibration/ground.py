@@ -1,6 +1,6 @@
 """Whether the floor about a robot is clear enough to drive a pattern on it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, hypot, pi, sin
 
@@ -15,7 +15,6 @@ from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.looking import look
 from vision.camera import CameraModel
-from vision.scene import Scene
 
 STANDING = 0.03
 """A robot that is not to leave its place is seen no farther from it [m]."""
@@ -49,6 +48,21 @@ class Ground:
             Its radius with the body and what is kept free [m].
         """
         return circle.radius + self.body + self.spare
+
+
+@dataclass(frozen=True, slots=True)
+class Thing:
+    """Something that is no robot.
+
+    Attributes:
+        x: where it is, if it is as high as tags are [m].
+        y: the same [m].
+        reason: why it is no robot.
+    """
+
+    x: float
+    y: float
+    reason: str
 
 
 def make_ground(scenario: Scenario, camera: CameraModel, side: float) -> Ground:
@@ -87,47 +101,63 @@ def circle_about(pose: Pose2D, pattern: Pattern) -> Circle:
     return Circle(pose.x, pose.y, pattern.reach() + STANDING)
 
 
-def obstacles(ground: Ground, scene: Scene, robot: RobotId, circle: Circle) -> tuple[str, ...]:
-    """Say what is in a robot's way.
-
-    Args:
-        ground: arena, picture, bodies.
-        scene: a fresh look without predictions, which shows all there is.
-        robot: that is to move.
-        circle: which it may use.
-
-    Returns:
-        One line per obstacle, with the remedy; nothing if the way is clear.
-    """
-    return tuple(
-        f"robot {robot} needs {ground.needed(circle):.2f} m of clear floor about it: {what}"
-        for what in (
-            *_border(ground, circle),
-            *_robots(ground, scene, robot, circle),
-            *_things(ground, scene, circle),
-        )
-    )
-
-
 def survey(
     bench: Bench, sight: Sight, ground: Ground, pattern: Pattern
 ) -> Mapping[RobotId, tuple[Circle, tuple[str, ...]]]:
-    """Look afresh, and say for every robot whether it could drive a pattern.
+    """Say for every robot whether it could drive a pattern where it stands.
 
     Args:
         bench: finds the robots.
-        sight: with a picture that is still true.
+        sight: with a picture that is still true, of robots that stand.
         ground: on which they stand.
         pattern: to be driven.
 
     Returns:
-        By robot the circle it needs, and what is in its way.
+        By robot the circle it needs, and what is in its way with the remedy.
     """
+    poses = {robot: track.estimate.state.pose for robot, track in sight.tracks.items()}
+    things = _things(bench, sight, ground, poses)
+    circles = {robot: circle_about(pose, pattern) for robot, pose in poses.items()}
+    return {
+        robot: (circle, _obstacles(ground, poses, things, robot, circle))
+        for robot, circle in circles.items()
+    }
+
+
+def _things(
+    bench: Bench, sight: Sight, ground: Ground, poses: Mapping[RobotId, Pose2D]
+) -> tuple[Thing, ...]:
+    """What looks like a part of a tag, in a fresh look without predictions, and is on no robot."""
     if sight.frame is None:
-        return {}
-    scene = look(bench.lookout.seeing.detector_for(sight.frame.size_px), sight.frame)
-    circles = {d.robot_id: circle_about(d.pose, pattern) for d in scene.detections}
-    return {r: (circle, obstacles(ground, scene, r, circle)) for r, circle in circles.items()}
+        return ()
+    rejected = look(bench.lookout.seeing.detector_for(sight.frame.size_px), sight.frame).rejected
+    pixels = np.array([(thing.x, thing.y) for thing in rejected]).reshape(-1, 2)
+    places = ground.camera.to_floor(pixels, ground.camera.tag_height).tolist()
+    things = [Thing(x, y, r.reason) for (x, y), r in zip(places, rejected, strict=True)]
+    return tuple(
+        thing
+        for thing in things
+        if all(hypot(thing.x - p.x, thing.y - p.y) > ground.body for p in poses.values())
+    )
+
+
+def _obstacles(
+    ground: Ground,
+    poses: Mapping[RobotId, Pose2D],
+    things: Sequence[Thing],
+    robot: RobotId,
+    circle: Circle,
+) -> tuple[str, ...]:
+    """One line per obstacle; nothing if the way is clear."""
+    others = {other: pose for other, pose in poses.items() if other != robot}
+    return tuple(
+        f"robot {robot} needs {ground.needed(circle):.2f} m of clear floor about it: {what}"
+        for what in (
+            *_border(ground, circle),
+            *_robots(ground, others, circle),
+            *_strange(ground, things, circle),
+        )
+    )
 
 
 def _border(ground: Ground, circle: Circle) -> Iterator[str]:
@@ -151,22 +181,15 @@ def _is_in_picture(ground: Ground, circle: Circle) -> bool:
     return bool(np.all((pixels >= 0.0) & (pixels <= np.array(camera.size_px) - 1.0)))
 
 
-def _robots(ground: Ground, scene: Scene, robot: RobotId, circle: Circle) -> Iterator[str]:
-    for other in scene.detections:
-        away = hypot(other.pose.x - circle.x, other.pose.y - circle.y)
-        if other.robot_id != robot and away - ground.body < ground.needed(circle):
-            yield f"robot {other.robot_id} is {away:.2f} m away; put them farther apart"
+def _robots(ground: Ground, others: Mapping[RobotId, Pose2D], circle: Circle) -> Iterator[str]:
+    for other, pose in others.items():
+        away = hypot(pose.x - circle.x, pose.y - circle.y)
+        if away - ground.body < ground.needed(circle):
+            yield f"robot {other} is {away:.2f} m away; put them farther apart"
 
 
-def _things(ground: Ground, scene: Scene, circle: Circle) -> Iterator[str]:
-    """What looked like a part of a tag and is on no robot."""
-    if not scene.rejected:
-        return
-    pixels = np.array([(thing.x, thing.y) for thing in scene.rejected])
-    places = ground.camera.to_floor(pixels, ground.camera.tag_height)
-    bodies = np.array([(d.pose.x, d.pose.y) for d in scene.detections])
-    for thing, place in zip(scene.rejected, places, strict=True):
-        away = float(np.hypot(*(place - (circle.x, circle.y))))
-        own = np.hypot(*(bodies - place).T).min(initial=np.inf) < ground.body
-        if away < ground.needed(circle) and not own:
+def _strange(ground: Ground, things: Sequence[Thing], circle: Circle) -> Iterator[str]:
+    for thing in things:
+        away = hypot(thing.x - circle.x, thing.y - circle.y)
+        if away < ground.needed(circle):
             yield f"something is {away:.2f} m away ({thing.reason}); take it away"

@@ -12,10 +12,11 @@ from pipeline.calibration.ground import STANDING, Ground, survey
 from pipeline.calibration.pairing import Pairing, mistaken, paired, tag_of
 from pipeline.calibration.patrol import TICK, Bench, Circle, Drive, Sight, drive, look_once
 from pipeline.calibration.pattern import DRIVING, TURNING, Pattern
-from pipeline.errors import ConfigError
+from pipeline.errors import CameraError, ConfigError
 
 PATIENCE = 5.0  # until all robots must have been seen [s]
 SETTLE = 0.3  # of looking before every drive: old pictures are of no use [s]
+_UNSEEN = "not seen, or it cannot be told from another; nothing was moved; see echelon locate"
 ODD, ODD_TURN = 0.004, 0.05  # left unexplained: it did not drive as robots do [m, rad]
 
 
@@ -90,19 +91,23 @@ def _look(bench: Bench, sight: Sight, robots: Sequence[RobotId]) -> Sight:
     begin = clock.now()
     while clock.now() - begin < PATIENCE:
         sight = look_once(bench, sight)
-        if sight.scene is not None and sight.t - begin >= SETTLE and not _missing(sight, robots):
+        missing = _missing(bench, sight, robots)
+        if sight.t - begin >= SETTLE and not missing:
             return sight
         clock.wait_until(sight.t + TICK)
-    missing = ", ".join(map(str, _missing(sight, robots)))
-    why = f"robot {missing} is not seen" if missing else "the camera gives no pictures"
-    raise ConfigError(f"{why}: nothing was moved; see echelon locate")
+    if sight.t_frame <= begin:
+        raise CameraError(f"camera: no picture for {PATIENCE:g} s; nothing was moved")
+    raise ConfigError(f"robot {', '.join(map(str, missing))} is {_UNSEEN}")
 
 
-def _missing(sight: Sight, robots: Sequence[RobotId]) -> list[RobotId]:
-    """Robots that the last picture does not show, or in doubt."""
-    shown = {d.robot_id for d in sight.scene.detections} if sight.scene else set()
-    doubted = {robot for robot, track in sight.tracks.items() if track.ambiguous}
-    return [robot for robot in robots if robot not in shown or robot in doubted]
+def _missing(bench: Bench, sight: Sight, robots: Sequence[RobotId]) -> list[RobotId]:
+    """Robots that have not just been seen, or only in doubt."""
+    fresh = sight.t - bench.lookout.rules.slow_after
+    return [
+        robot
+        for robot in robots
+        if (track := sight.tracks.get(robot)) is None or track.estimate.t < fresh or track.ambiguous
+    ]
 
 
 def _pair(
@@ -160,9 +165,6 @@ def _circles(
 ) -> Mapping[RobotId, Circle]:
     """Circles of those that may move; all of them must be clear."""
     surveyed = survey(bench, sight, ground, pattern)
-    unseen = [robot for robot in movers if robot not in surveyed]
-    if unseen:
-        raise ConfigError(f"robot {unseen[0]} is not seen: nothing was moved; see echelon locate")
     refusals = [line for robot in movers for line in surveyed[robot][1]]
     if refusals:
         raise ConfigError(f"not clear: {'; '.join(refusals)}")

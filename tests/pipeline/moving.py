@@ -1,4 +1,4 @@
-"""A bench for calibrations by moving: the rendered world on a virtual clock, and what may go wrong."""
+"""A bench for calibrations by moving: a rendered world on a virtual clock; much may go wrong."""
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -90,7 +90,7 @@ class Room:
         return calibrate_by_moving(self.bench, self.ground, self.robots)
 
     def speed_after(self, wait: float) -> float:
-        """Greatest true speed of a robot a while later [m/s]; turning counts as of a rim of 5 cm."""
+        """Greatest true speed of a robot a while later [m/s]; turning counts at 5 cm."""
         rig = self.bench.rig
         end = rig.clock.now() + wait
         rig.clock.wait_until(end)

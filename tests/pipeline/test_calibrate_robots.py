@@ -3,20 +3,19 @@
 import json
 import tomllib
 from dataclasses import replace
+from itertools import pairwise
 from math import hypot
 from pathlib import Path
 
 import pytest
 
 from benchmarks.moving import BELIEVED, drawn_world, errors, measured
-from control.drive_fit import DriveFit
 from control.command import RobotId
 from control.unicycle import Twist
-from pipeline.calibration.drive_figures import Figure, common_figures, figures_of
+from pipeline.calibration.drive_figures import figures_of
 from pipeline.calibration.drive_file import drives_text
-from pipeline.calibration.moving import Moved
 from pipeline.calibration.pairing import paired_spec
-from pipeline.calibration.patrol import Interrupted
+from pipeline.calibration.patrol import TICK, Interrupted
 from pipeline.calibration.pattern import DRIVING, TURNING
 from pipeline.config import Scenario
 from pipeline.errors import CameraError, ConfigError, RadioError, SafetyStop
@@ -31,6 +30,7 @@ APART = (
 )
 ARENA = "safety.arena_m=[-0.6, -0.5, 1.7, 1.3]"
 MOVING = 4.0  # by then radio 2 or 3 turns, and later somebody drives [s]
+FRAME = 1.0 / 30.0  # between two pictures [s]
 PAIRED = 6.0  # by then robot 1 drives [s]
 
 
@@ -64,7 +64,7 @@ def test_one_robot_moves_at_a_time_and_comes_back() -> None:
     turns = [robot for n, robot in enumerate(told) if n == 0 or told[n - 1] != robot]
     assert turns == [1, 2, 3, 1, 2, 3]
     assert here.wire.stops[-1] >= here.wire.sent[-1][0]
-    gaps = [b[0] - a[0] for a, b in zip(here.wire.sent, here.wire.sent[1:]) if a[1] == b[1]]
+    gaps = [b[0] - a[0] for a, b in pairwise(here.wire.sent) if a[1] == b[1]]
     within = [gap for gap in gaps if gap < 0.2]  # the others are between two patterns
     assert max(within) < 0.08  # robots have timeouts of their own
 
@@ -123,38 +123,36 @@ def test_a_link_that_is_down_is_named() -> None:
                 'surroundings.things=[{ shape = "disc", color = "red", size_m = 0.06, '
                 "points = [{ at_s = 0, x_m = 0.24, y_m = 0.1 }] }]",
             ),
-            "robot 1 needs .* something is 0.14 m away",
+            "robot 1 needs .* something is 0.15 m away",
         ),
         (
             (
                 'surroundings.things=[{ shape = "disc", color = "blue", size_m = 0.2, '
                 "height_m = 0.3, points = [{ at_s = 0, x_m = 1.1, y_m = 0.2 }] }]",
             ),
-            "robot 3 is not seen: nothing was moved",
+            "robot 3 is not seen, .* nothing was moved",
         ),
     ],
 )
 def test_nobody_moves_where_it_is_not_clear(overrides: tuple[str, ...], said: str) -> None:
     wide = ("safety.arena_m=[-2, -2, 2, 2]",) if "picture" in said else ()
-    with room(changed(*wide, *overrides)) as here:
-        with pytest.raises(ConfigError, match=said):
-            here.move()
+    with room(changed(*wide, *overrides)) as here, pytest.raises(ConfigError, match=said):
+        here.move()
     assert here.wire.sent == []
     assert here.wire.stops
 
 
 def test_nobody_moves_without_an_arena() -> None:
     with (
-        pytest.raises(ConfigError, match="missing key safety.arena_m"),
+        pytest.raises(ConfigError, match=r"missing key safety\.arena_m"),
         room(load_scenario("paper", APART)),
     ):
         pass
 
 
 def test_a_camera_that_never_shows_anything_moves_nobody() -> None:
-    with room(BELIEVED, blind_from=0.0) as here:
-        with pytest.raises(ConfigError, match="robot 1, 2, 3 is not seen"):
-            here.move()
+    with room(BELIEVED, blind_from=0.0) as here, pytest.raises(CameraError, match="no picture"):
+        here.move()
     assert here.wire.sent == []
 
 
@@ -163,7 +161,7 @@ def test_a_silent_camera_stops_all_within_its_time(t: float) -> None:
     with room(BELIEVED, blind_from=t) as here:
         with pytest.raises(SafetyStop, match=r"no picture for 0\.2"):
             here.move()
-        assert here.wire.stops[-1] < t + 0.2 + 0.04 + 0.01  # a frame, two ticks
+        assert t + 0.2 - FRAME < here.wire.stops[-1] < t + 0.2 + 2 * TICK
         assert here.wire.sent[-1][0] < here.wire.stops[-1]
         assert here.speed_after(0.5) < 1e-3
 
@@ -179,7 +177,7 @@ def test_a_robot_that_is_lost_stops_all(robot: int) -> None:
     with room(changed(cover)) as here:
         with pytest.raises(SafetyStop, match=f"robot {robot} was last seen 0.3"):
             here.move()
-        assert t + 0.3 < here.wire.stops[-1] < t + 0.3 + 0.04 + 0.04  # a frame, and the camera's
+        assert t + 0.3 - FRAME < here.wire.stops[-1] < t + 0.3 + 2 * TICK
         assert here.speed_after(0.5) < 1e-3
 
 
@@ -198,9 +196,8 @@ def test_a_robot_that_leaves_its_circle_stops_all() -> None:
 
 def test_a_robot_that_moves_untold_stops_all() -> None:
     world = changed("robots.2.start={x_m=0.6, y_m=0.7, v_mps=0.08}")
-    with room(world) as here:
-        with pytest.raises(SafetyStop, match="radio 1 was driving: robot 2 is 0.03"):
-            here.move()
+    with room(world) as here, pytest.raises(SafetyStop, match=r"radio 1 .*: robot 2 is 0\.03"):
+        here.move()
 
 
 def test_ctrl_c_stops_all() -> None:
@@ -212,8 +209,8 @@ def test_ctrl_c_stops_all() -> None:
 
 
 def test_a_drive_that_is_no_robot_s_is_refused() -> None:
-    pushed = changed("robots.2.disturbance_mps2=3.0", "robots.2.turn_disturbance_radps2=40.0")
-    with room(pushed) as here, pytest.raises(ConfigError, match="robot 2: .* are not explained"):
+    pushed = changed("robots.2.disturbance_mps2=0.6", "robots.2.turn_disturbance_radps2=8.0")
+    with room(pushed) as here, pytest.raises(ConfigError, match=r"robot 2: .* not explained"):
         here.move()
 
 
