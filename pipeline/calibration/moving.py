@@ -16,6 +16,7 @@ from pipeline.errors import CameraError, ConfigError
 
 PATIENCE = 5.0  # until all robots must have been seen [s]
 SETTLE = 0.3  # of looking before every drive: old pictures are of no use [s]
+LOOKS = 5  # a floor is not clear if none of so many looks shows it clear
 _UNSEEN = "not seen, or it cannot be told from another; nothing was moved; see echelon locate"
 ODD, ODD_TURN = 0.004, 0.05  # left unexplained: it did not drive as robots do [m, rad]
 
@@ -27,7 +28,7 @@ class Moved:
     Attributes:
         pairing: tag by radio.
         fits: how each robot drives, by its tag.
-        age: of the youngest picture on its arrival, by its own time [s].
+        age: of a picture on its arrival, by its own time [s].
     """
 
     pairing: Pairing
@@ -57,8 +58,7 @@ def calibrate_by_moving(bench: Bench, ground: Ground, radios: Sequence[RobotId])
     """
     gc.freeze()  # to look for garbage among what was set up takes 0.15 s: a robot is blind so long
     try:
-        sight = look_for_all(bench, radios)
-        sight, pairing = _pair(bench, sight, ground, radios)
+        sight, pairing = _pair(bench, look_for_all(bench, radios), ground, radios)
         sight, drives = _drive_all(bench, sight, ground, pairing)
     finally:
         bench.rig.sink.stop(bench.rig.clock.now())
@@ -114,7 +114,7 @@ def _pair(
     bench: Bench, sight: Sight, ground: Ground, radios: Sequence[RobotId]
 ) -> tuple[Sight, Pairing]:
     """Nobody moves before everybody has room for all that is to come."""
-    _circles(bench, sight, ground, DRIVING, radios)
+    sight, _ = _clear(bench, sight, ground, DRIVING, radios, radios)
     pairing: Pairing = {}
     for radio in radios:
         bench.say(f"radio {radio}: its robot turns left and back")
@@ -150,8 +150,8 @@ def _one(
     tag: RobotId | None = None,
 ) -> tuple[Sight, Drive]:
     """Look afresh, see that the floor is clear, drive; who is not `tag` must keep its place."""
-    sight = _look(bench, sight, robots)
-    circles = _circles(bench, sight, ground, pattern, robots if tag is None else (tag,))
+    movers = robots if tag is None else (tag,)
+    sight, circles = _clear(bench, sight, ground, pattern, robots, movers)
     standing = {
         robot: Circle(t.estimate.state.x, t.estimate.state.y, STANDING)
         for robot, t in sight.tracks.items()
@@ -160,15 +160,23 @@ def _one(
     return drive(bench, sight, radio, pattern, {**standing, **circles})
 
 
-def _circles(
-    bench: Bench, sight: Sight, ground: Ground, pattern: Pattern, movers: Sequence[RobotId]
-) -> Mapping[RobotId, Circle]:
-    """Circles of those that may move; all of them must be clear."""
-    surveyed = survey(bench, sight, ground, pattern)
-    refusals = [line for robot in movers for line in surveyed[robot][1]]
-    if refusals:
-        raise ConfigError(f"not clear: {'; '.join(refusals)}")
-    return {robot: surveyed[robot][0] for robot in movers}
+def _clear(
+    bench: Bench,
+    sight: Sight,
+    ground: Ground,
+    pattern: Pattern,
+    robots: Sequence[RobotId],
+    movers: Sequence[RobotId],
+) -> tuple[Sight, Mapping[RobotId, Circle]]:
+    """Circles of those that may move, all of them clear; noise may look like a thing, but once."""
+    refusals: list[str] = []
+    for _ in range(LOOKS):
+        sight = _look(bench, sight, robots)
+        surveyed = survey(bench, sight, ground, pattern)
+        refusals = [line for robot in movers for line in surveyed[robot][1]]
+        if not refusals:
+            return sight, {robot: surveyed[robot][0] for robot in movers}
+    raise ConfigError(f"not clear: {'; '.join(refusals)}")
 
 
 def _fit(tag: RobotId, drive_: Drive) -> DriveFit:

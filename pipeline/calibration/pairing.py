@@ -9,7 +9,7 @@ from control.drive_fit import SeenPose
 from pipeline.calibration.patrol import Drive
 from pipeline.errors import RadioError
 
-TURNED = 0.1
+TURNED = 0.2
 """A tag that turns by less stands still [rad]."""
 
 Pairing = Mapping[RobotId, RobotId]
@@ -104,12 +104,16 @@ def paired_spec(spec: str, pairing: Pairing) -> str:
 
 
 def _swing(poses: Sequence[SeenPose]) -> float:
-    """The angle by which a tag turned away from where it looked at first, the greater way [rad]."""
+    """How far a tag turned to the left, negative: to the right; some wrong poses do not matter.
+
+    A robot that obeys looks aside for half of the time.
+    """
     if not poses:
         return 0.0
     headings = np.unwrap([pose.pose.theta for pose in poses])
-    away = headings - headings[0]
-    return float(away[np.abs(away).argmax()])
+    quantiles = np.quantile(headings, (0.1, 0.5, 0.9))
+    right, middle, left = quantiles.tolist()
+    return float(left - middle if left - middle > middle - right else right - middle)
 
 
 def _names(robots: Sequence[RobotId]) -> str:

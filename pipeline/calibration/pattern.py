@@ -124,8 +124,8 @@ DRIVING = Pattern(
 )
 """Turns, steps forth and back, and arcs: all that the fit needs, within a hand's breadth."""
 
-TURNING = Pattern(_BEFORE + there_and_back((Stretch(0.25, Twist(0.0, 2.0)),)) + _AFTER)
-"""To the left by 0.5 rad and back, in place."""
+TURNING = Pattern(_BEFORE + there_and_back((Stretch(0.4, Twist(0.0, 2.0)),)) + _AFTER)
+"""To the left by 0.8 rad and back, in place."""
 
 
 def _farthest(pattern: Pattern, lag: float) -> float:

@@ -192,7 +192,7 @@ def _latency_told(delay: Figure, age: float) -> str:
 
 
 def _tell_plan(rows: list[dict[str, Any]], output: Output) -> None:
-    output.say("1. every radio's robot turns left by about 30 deg and back; the tag that turns "
+    output.say("1. every radio's robot turns left by about 45 deg and back; the tag that turns "
                "is its own")  # fmt: skip
     output.say(f"2. one after the other drives for {DRIVING.duration:.1f} s in its circle")
     header = ("robot", "x m", "y m", "circle m", "clear floor m", "in the way")

@@ -31,7 +31,7 @@ APART = (
 ARENA = "safety.arena_m=[-0.6, -0.5, 1.7, 1.3]"
 MOVING = 4.0  # by then radio 2 or 3 turns, and later somebody drives [s]
 FRAME = 1.0 / 30.0  # between two pictures [s]
-PAIRED = 6.0  # by then robot 1 drives [s]
+PAIRED = 7.0  # by then robot 1 drives [s]
 
 
 def changed(*overrides: str) -> Scenario:
