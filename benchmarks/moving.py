@@ -17,7 +17,7 @@ from control.estimation import load_filter
 from pipeline.calibration.drive_figures import figures_of
 from pipeline.calibration.ground import make_ground
 from pipeline.calibration.moving import Moved, calibrate_by_moving
-from pipeline.calibration.patrol import Bench
+from pipeline.calibration.watch import Bench
 from pipeline.config import Scenario
 from pipeline.lookout import make_lookout
 from pipeline.ports import FrameSource

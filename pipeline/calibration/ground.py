@@ -9,8 +9,8 @@ import numpy as np
 from control.command import RobotId
 from control.geometry import Pose2D
 from control.safety import Arena
-from pipeline.calibration.patrol import Bench, Circle, Sight
 from pipeline.calibration.pattern import Pattern
+from pipeline.calibration.watch import Bench, Circle, Sight
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.looking import look

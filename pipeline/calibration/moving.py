@@ -10,8 +10,9 @@ from control.drive_fit import DriveFit, fit_drive
 from control.errors import ControlError
 from pipeline.calibration.ground import STANDING, Ground, survey
 from pipeline.calibration.pairing import Pairing, mistaken, paired, tag_of
-from pipeline.calibration.patrol import TICK, Bench, Circle, Drive, Sight, drive, look_once
+from pipeline.calibration.patrol import Drive, drive
 from pipeline.calibration.pattern import DRIVING, TURNING, Pattern
+from pipeline.calibration.watch import TICK, Bench, Circle, Sight, look_once
 from pipeline.errors import CameraError, ConfigError
 
 PATIENCE = 5.0  # until all robots must have been seen [s]

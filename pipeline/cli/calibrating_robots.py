@@ -1,26 +1,23 @@
 """What `echelon calibrate robots` does: connect, look, move, fit, write, tell."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from math import degrees
 from pathlib import Path
-from typing import Any
 
 import typer
 
-from control.command import RobotId
-from control.drive_fit import DriveFit
 from control.estimation import load_filter
-from pipeline.calibration.drive_figures import DriveFigures, Figure, common_figures, figures_of
+from pipeline.calibration.drive_figures import common_figures, figures_of
 from pipeline.calibration.drive_file import drives_text, write_drives
 from pipeline.calibration.ground import Ground, make_ground, survey
 from pipeline.calibration.moving import Moved, calibrate_by_moving, look_for_all
 from pipeline.calibration.pairing import mistaken, paired_spec
-from pipeline.calibration.patrol import Bench, Interrupted
 from pipeline.calibration.pattern import DRIVING
+from pipeline.calibration.watch import Bench, Interrupted
 from pipeline.camera_model import require_floor
 from pipeline.cli.output import Output
+from pipeline.cli.robots_told import drives_json, tell_drives, tell_plan
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
@@ -84,9 +81,10 @@ def calibrate_robots(request: RobotsRequest, out: Path, output: Output) -> None:
     notes = (f"Scenario {scenario.name}, camera {request.camera}.", *_radio_notes(moved, spec))
     write_drives(out, drives_text(common, figures, scenario.camera, notes))
     if output.as_json:
-        output.object({"file": str(out), "radio": spec, **_as_json(moved, figures, common)})
+        output.object({"file": str(out), "radio": spec, **drives_json(moved, figures, common)})
     else:
-        _tell(moved, figures, common, spec, out, output)
+        tell_drives(moved, figures, common, spec, output)
+        output.say(f'{out}: include it in a scenario: include = ["{out.name}"]')
 
 
 def plan_robots(request: RobotsRequest, output: Output) -> None:
@@ -114,7 +112,7 @@ def plan_robots(request: RobotsRequest, output: Output) -> None:
     if output.as_json:
         output.object({"pattern_s": DRIVING.duration, "robots": rows})
     else:
-        _tell_plan(rows, output)
+        tell_plan(rows, output)
     refusals = [line for _, lines in each.values() for line in lines]
     if refusals:
         raise ConfigError(f"not clear: {'; '.join(refusals)}")
@@ -142,89 +140,3 @@ def _radio_notes(moved: Moved, spec: str) -> tuple[str, ...]:
     """Which radio is whose, as the command line takes it."""
     wrong = mistaken(moved.pairing)
     return (*(f"{line}." for line in wrong), f"The radio that reaches them: --radio {spec}")
-
-
-def _tell(
-    moved: Moved,
-    figures: Mapping[RobotId, DriveFigures],
-    common: DriveFigures,
-    spec: str,
-    out: Path,
-    output: Output,
-) -> None:
-    header = (
-        "robot", "radio", "units per m/s", "track mm", "lag ms", "delay ms", "left mm", "deg",
-    )  # fmt: skip
-    radios = {tag: radio for radio, tag in moved.pairing.items()}
-    rows = [_row(tag, radios[tag], f, moved.fits[tag]) for tag, f in figures.items()]
-    output.table("How the robots drive (value +- standard error)", header, rows)
-    for line in mistaken(moved.pairing):
-        output.say(f"{line}; say --radio {spec}")
-    output.say(_latency_told(common.delay, moved.age))
-    apart = common.speed_scale.apart / common.speed_scale.value
-    output.say(
-        f"scale: the robots differ from their mean by up to {100.0 * apart:.1f} %, which the "
-        "filter learns while it runs"
-    )
-    output.say(f'{out}: include it in a scenario: include = ["{out.name}"]')
-
-
-def _row(tag: RobotId, radio: RobotId, f: DriveFigures, fit: DriveFit) -> tuple[str, ...]:
-    return (
-        str(tag), str(radio), _cell(f.speed_scale, 1.0, 1), _cell(f.track_width, 1e3, 2),
-        _cell(f.lag, 1e3, 1), _cell(f.delay, 1e3, 1), f"{1e3 * fit.position_rms:.2f}",
-        f"{degrees(fit.heading_rms):.2f}",
-    )  # fmt: skip
-
-
-def _cell(figure: Figure, factor: float, digits: int) -> str:
-    return f"{factor * figure.value:.{digits}f} +- {factor * figure.std:.{digits}f}"
-
-
-def _latency_told(delay: Figure, age: float) -> str:
-    """Total latency; what is known of its parts."""
-    return (
-        f"latency: {1e3 * (delay.value + age):.1f} +- {1e3 * delay.std:.1f} ms from a command to "
-        f"a picture at hand that shows its effect: {1e3 * delay.value:.1f} ms by the pictures' "
-        f"own times, and {1e3 * age:.1f} ms that a picture is old on arrival; where a camera gives "
-        "no times the second part is camera.latency_s itself, and only the sum is measured"
-    )
-
-
-def _tell_plan(rows: list[dict[str, Any]], output: Output) -> None:
-    output.say("1. every radio's robot turns left by about 45 deg and back; the tag that turns "
-               "is its own")  # fmt: skip
-    output.say(f"2. one after the other drives for {DRIVING.duration:.1f} s in its circle")
-    header = ("robot", "x m", "y m", "circle m", "clear floor m", "in the way")
-    numbers = ("x_m", "y_m", "circle_m", "clear_floor_m")
-    cells = [
-        (str(row["id"]), *(f"{row[key]:.2f}" for key in numbers), str(len(row["in_the_way"])))
-        for row in rows
-    ]
-    output.table("Robots", header, cells)
-
-
-def _as_json(
-    moved: Moved, figures: Mapping[RobotId, DriveFigures], common: DriveFigures
-) -> dict[str, Any]:
-    return {
-        "pairing": [{"radio": radio, "tag": tag} for radio, tag in moved.pairing.items()],
-        "robots": [
-            {"id": tag, "forward_gain": fit.gain.v, "turning_gain": fit.gain.omega,
-             "tag_on_robot": {"x_m": fit.mount.x, "y_m": fit.mount.y, "theta_rad": fit.mount.theta},
-             "poses": fit.poses, "position_rms_m": fit.position_rms,
-             "heading_rms_rad": fit.heading_rms, **_json_figures(figures[tag])}
-            for tag, fit in moved.fits.items()
-        ],
-        "common": _json_figures(common),
-        "picture_age_s": moved.age,
-        "total_latency_s": common.delay.value + moved.age,
-    }  # fmt: skip
-
-
-def _json_figures(f: DriveFigures) -> dict[str, Any]:
-    each = {
-        "speed_scale_per_mps": f.speed_scale, "track_width_m": f.track_width,
-        "lag_s": f.lag, "delay_s": f.delay,
-    }  # fmt: skip
-    return {k: {"value": v.value, "std": v.std, "apart": v.apart} for k, v in each.items()}

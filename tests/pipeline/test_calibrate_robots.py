@@ -15,8 +15,8 @@ from control.unicycle import Twist
 from pipeline.calibration.drive_figures import figures_of
 from pipeline.calibration.drive_file import drives_text
 from pipeline.calibration.pairing import paired_spec
-from pipeline.calibration.patrol import TICK, Interrupted
 from pipeline.calibration.pattern import DRIVING, TURNING
+from pipeline.calibration.watch import TICK, Interrupted
 from pipeline.config import Scenario
 from pipeline.errors import CameraError, ConfigError, RadioError, SafetyStop
 from pipeline.scenario import load_scenario, scenario_path
