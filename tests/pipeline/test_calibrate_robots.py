@@ -14,9 +14,10 @@ from control.command import RobotId
 from control.unicycle import Twist
 from pipeline.calibration.drive_figures import figures_of
 from pipeline.calibration.drive_file import drives_text
+from pipeline.calibration.moving import look_for_all
 from pipeline.calibration.pairing import paired_spec
 from pipeline.calibration.pattern import DRIVING, TURNING
-from pipeline.calibration.watch import TICK, Interrupted
+from pipeline.calibration.watch import TICK, Circle, Interrupted, danger
 from pipeline.config import Scenario
 from pipeline.errors import CameraError, ConfigError, RadioError, SafetyStop
 from pipeline.scenario import load_scenario, scenario_path
@@ -63,6 +64,7 @@ def test_one_robot_moves_at_a_time_and_comes_back() -> None:
     told = [robot for _, robot, twist in here.wire.sent]
     turns = [robot for n, robot in enumerate(told) if n == 0 or told[n - 1] != robot]
     assert turns == [1, 2, 3, 1, 2, 3]
+    assert len(here.wire.stops) == len(turns) + 1  # after every drive, and at the end
     assert here.wire.stops[-1] >= here.wire.sent[-1][0]
     gaps = [b[0] - a[0] for a, b in pairwise(here.wire.sent) if a[1] == b[1]]
     within = [gap for gap in gaps if gap < 0.2]  # the others are between two patterns
@@ -179,6 +181,15 @@ def test_a_robot_that_is_lost_stops_all(robot: int) -> None:
             here.move()
         assert t + 0.3 - FRAME < here.wire.stops[-1] < t + 0.3 + 2 * TICK
         assert here.speed_after(0.5) < 1e-3
+
+
+def test_a_robot_that_may_be_another_stops_all() -> None:
+    with room(BELIEVED) as here:
+        sight = look_for_all(here.bench, here.robots)
+    rules, circles = here.bench.lookout.rules, {1: Circle(0.1, 0.1, 0.1)}
+    assert danger(rules, sight, circles) is None
+    doubted = {**sight.tracks, 1: replace(sight.tracks[1], ambiguous=True)}
+    assert "may be another" in (danger(rules, replace(sight, tracks=doubted), circles) or "")
 
 
 def test_a_robot_that_leaves_its_circle_stops_all() -> None:
