@@ -13,3 +13,7 @@ class RadioError(EchelonError):
 
 class ConfigError(EchelonError):
     """A scenario or an option is wrong; the message names file, line and key (exit status 2)."""
+
+
+class SafetyStop(EchelonError):
+    """A safety rule has ended a drive (exit status 4)."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from control.command import RobotId
 from control.estimation import Estimate
+from pipeline.lookout import Lookout
 from pipeline.memory import Track
-from pipeline.setup import Setup
 from vision.locate import Prediction
 from vision.tags import TagSet
 
@@ -24,12 +24,12 @@ _START_COVARIANCE = np.diag((0.03**2, 0.03**2, 0.2**2))
 
 
 def expectations(
-    setup: Setup, tracks: Tracks, expected: Mapping[RobotId, Estimate], t: float
+    lookout: Lookout, tracks: Tracks, expected: Mapping[RobotId, Estimate], t: float
 ) -> tuple[Prediction, ...]:
     """Say where robots are looked for first.
 
     Args:
-        setup: tags, safety rules and starts.
+        lookout: tags, safety rules and starts.
         tracks: of the robots seen before.
         expected: their estimates at the capture time.
         t: capture time of the frame [s].
@@ -41,16 +41,18 @@ def expectations(
     predictions = tuple(
         Prediction(
             robot, e.state.pose, e.covariance[:3, :3],
-            _reach(setup, t - tracks[robot].estimate.t), tracks[robot].ambiguous,
+            _reach(lookout, t - tracks[robot].estimate.t), tracks[robot].ambiguous,
         )
         for robot, e in expected.items()
     )  # fmt: skip
-    if not setup.tags.look_alikes:
+    if not lookout.tags.look_alikes:
         return predictions
     starts = tuple(
-        Prediction(robot, start, _START_COVARIANCE, START_REACH, _is_doubted(setup, tracks, robot))
-        for robot, start in setup.starts.items()
-        if robot not in tracks and setup.tags.twins_of(robot)
+        Prediction(
+            robot, start, _START_COVARIANCE, START_REACH, _is_doubted(lookout, tracks, robot)
+        )
+        for robot, start in lookout.starts.items()
+        if robot not in tracks and lookout.tags.twins_of(robot)
     )
     return predictions + starts
 
@@ -115,11 +117,11 @@ def _is_unseen(before: Track, after: Track) -> bool:
     return after.estimate is before.estimate
 
 
-def _reach(setup: Setup, unseen: float) -> float:
+def _reach(lookout: Lookout, unseen: float) -> float:
     """How far a robot may have been carried; nobody does it while its prediction is trusted."""
-    return 0.0 if unseen < setup.rules.slow_after else CARRIED * unseen
+    return 0.0 if unseen < lookout.rules.slow_after else CARRIED * unseen
 
 
-def _is_doubted(setup: Setup, tracks: Tracks, robot: RobotId) -> bool:
+def _is_doubted(lookout: Lookout, tracks: Tracks, robot: RobotId) -> bool:
     """Whether a robot never seen may be one of those that are seen, in doubt."""
-    return bool(ambiguous_of(tracks).intersection(setup.tags.twins_of(robot)))
+    return bool(ambiguous_of(tracks).intersection(lookout.tags.twins_of(robot)))

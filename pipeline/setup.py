@@ -2,23 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import radians
-
-import numpy as np
-from numpy.typing import NDArray
 
 from control.actuation import Actuation
 from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
-from control.estimation import MotionModel, load_filter
+from control.estimation import load_filter
 from control.follower import FollowerModel, SlidingGains
 from control.formation import Formation
-from control.geometry import Pose2D
 from control.keyed import KeyDrive
 from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
-from control.motion_model import UNCOMMANDED
 from control.obstacles import Obstacle
 from control.plan import Plan
 from control.reaching import ReachingGains
@@ -31,12 +25,10 @@ from pipeline.config import ControlConfig, Scenario
 from pipeline.course import make_path, obstacles_of
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
-from pipeline.guard import SafetyRules
 from pipeline.leader_config import LeaderConfig
+from pipeline.lookout import Lookout, believed_lag, make_lookout
 from pipeline.seeing import Seeing, make_seeing
-from pipeline.shaping import make_formation, starts_of
-from vision.camera import CameraModel
-from vision.tags import TagSet
+from pipeline.shaping import make_formation
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
 RESERVE = 0.002  # of the clearance, for what poses and motors are off by [m]
@@ -44,12 +36,11 @@ SHORT_PERIOD = 0.02  # up to which the short horizon is right [s]
 
 
 @dataclass(frozen=True, slots=True)
-class Setup:
-    """All that is constant in a run.
+class Setup(Lookout):
+    """All that is constant in a run; what is needed for looking comes from `Lookout`.
 
     Attributes:
         name: of the scenario.
-        seeing: finds the robots.
         formation: who follows whom, in which shape.
         path: the leader's plan; None: a person moves it.
         keys: how a person drives it by keys; None: not so. Without path and keys a hand carries it.
@@ -59,11 +50,6 @@ class Setup:
         leader_gains: of the leader's law.
         leader_commands_known: whether followers are told the accelerations their leaders are
             commanded; the paper tells them nothing.
-        motion: model of a robot that obeys the commands sent.
-        free_motion: model of a robot nobody has commanded yet.
-        pose_noise: covariance, shape (3, 3), added to that of the fit: what lens model, codec and
-            printed tags do without the pixels telling [m^2, rad^2].
-        rules: of safety.
         clearance: how far bodies are kept apart; None: they are not.
         arena: what no body may leave.
         period: between two ticks [s].
@@ -71,11 +57,9 @@ class Setup:
         command_validity: a command older than this is never sent [s].
         watch_time: how long moving robots are watched before the start; 0: they rest [s].
         duration: of the mission [s].
-        starts: where the scenario says that robots stand at first [m, m, rad].
     """
 
     name: str
-    seeing: Seeing
     formation: Formation
     path: Plan | None
     keys: KeyDrive | None
@@ -84,10 +68,6 @@ class Setup:
     follower: FollowerModel
     leader_gains: LeaderGains
     leader_commands_known: bool
-    motion: MotionModel
-    free_motion: MotionModel
-    pose_noise: NDArray[np.float64]
-    rules: SafetyRules
     clearance: Clearance | None
     arena: Arena
     period: float
@@ -95,17 +75,6 @@ class Setup:
     command_validity: float
     watch_time: float
     duration: float
-    starts: Mapping[RobotId, Pose2D]
-
-    @property
-    def camera(self) -> CameraModel:
-        """The calibrated camera."""
-        return self.seeing.camera
-
-    @property
-    def tags(self) -> TagSet:
-        """What the robots wear."""
-        return self.seeing.tags
 
 
 def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
@@ -190,10 +159,15 @@ def _setup(
     pairs = make_formation(scenario, formation)
     arena = Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena()
     resting = scenario.startup.initial_rates == "rest"
-    doubt = (0.03, 0.1) if resting else (0.5, 3.0)  # of a first velocity [m/s, rad/s]
+    lookout = make_lookout(scenario, seeing)
     return Setup(
+        seeing=lookout.seeing,
+        motion=lookout.motion,
+        free_motion=lookout.free_motion,
+        pose_noise=lookout.pose_noise,
+        rules=lookout.rules,
+        starts=lookout.starts,
         name=scenario.name,
-        seeing=seeing,
         formation=pairs,
         path=make_path(scenario, leader, pairs, arena, side),
         keys=_keys(leader),
@@ -202,10 +176,6 @@ def _setup(
         follower=_follower(scenario),
         leader_gains=_leader_gains(leader),
         leader_commands_known=scenario.control.leader_commands_known,
-        motion=_motion(scenario, _lag(scenario), doubt),
-        free_motion=_motion(scenario, UNCOMMANDED, doubt),
-        pose_noise=_pose_noise(scenario),
-        rules=_rules(scenario),
         clearance=_clearance(scenario, seeing.tags.tags[0].side),
         arena=arena,
         period=period,
@@ -213,25 +183,7 @@ def _setup(
         command_validity=max(2.0 * period, 0.1),
         watch_time=0.0 if resting else scenario.startup.watch_s,
         duration=scenario.duration_s,
-        starts=starts_of(scenario),
     )
-
-
-def _lag(scenario: Scenario) -> float:
-    """The motor lag the host believes in: given, or the mean of the robots'."""
-    lags = [robot.lag_s for robot in scenario.robots]
-    return scenario.estimation.lag_s or sum(lags) / len(lags)
-
-
-def _motion(scenario: Scenario, lag: float, doubt: tuple[float, float]) -> MotionModel:
-    e = scenario.estimation
-    accelerations = (e.acceleration_std_mps2, e.turn_acceleration_std_radps2)
-    return MotionModel(lag, *accelerations, *doubt)
-
-
-def _pose_noise(scenario: Scenario) -> NDArray[np.float64]:
-    e = scenario.estimation
-    return np.diag(np.square((e.pose_std_m, e.pose_std_m, radians(e.heading_std_deg))))
 
 
 def _gains(scenario: Scenario, period: float) -> Mapping[RobotId, SlidingGains]:
@@ -257,7 +209,7 @@ def _reaching(c: ControlConfig) -> ReachingGains:
 def _follower(scenario: Scenario) -> FollowerModel:
     c = scenario.control
     limits = SpeedLimits(c.speed_limit_mps, c.turn_limit_radps)
-    return FollowerModel(c.camera_offset_m, Actuation(_lag(scenario), limits))
+    return FollowerModel(c.camera_offset_m, Actuation(believed_lag(scenario), limits))
 
 
 def _leader_gains(config: LeaderConfig) -> LeaderGains:
@@ -271,14 +223,6 @@ def _keys(config: LeaderConfig) -> KeyDrive | None:
     if config.driven_by != "keys":
         return None
     return KeyDrive(config.speed_mps, config.turn_radps, config.ramp_s)
-
-
-def _rules(scenario: Scenario) -> SafetyRules:
-    s = scenario.safety
-    return SafetyRules(
-        s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
-        s.hold, s.drive_ambiguous,
-    )  # fmt: skip
 
 
 def _clearance(scenario: Scenario, side: float) -> Clearance | None:

@@ -21,8 +21,8 @@ from control.geometry import Pose2D, wrap_angle
 from control.history import SentCommands
 from datasets.cycle import Tick
 from pipeline.identity import CARRIED, expectations, with_doubts
+from pipeline.lookout import Lookout
 from pipeline.memory import Sighting, Track
-from pipeline.setup import Setup
 from vision.detector import Detector
 from vision.frame import Frame, is_repeated
 from vision.light import Light
@@ -72,12 +72,12 @@ def without_repeats(tick: Tick, before: Frame | None) -> Tick:
 
 
 def look(
-    setup: Setup, tracks: Tracks, light: Light, tick: Tick, locate: Locate
+    lookout: Lookout, tracks: Tracks, light: Light, tick: Tick, locate: Locate
 ) -> tuple[Scene | None, Tracks]:
     """Find the robots in the tick's frame and correct their tracks at its capture time.
 
     Args:
-        setup: detector and motion models.
+        lookout: detector and motion models.
         tracks: of the robots seen before.
         light: as the last scene told it.
         tick: with or without a frame; a frame older than the tracks is looked at but not used.
@@ -90,34 +90,34 @@ def look(
         return None, tracks
     t = tick.frame.t_capture
     expected = {
-        robot: predict(track.estimate, t, track.sent, _model(setup, track.sent))
+        robot: predict(track.estimate, t, track.sent, _model(lookout, track.sent))
         for robot, track in tracks.items()
         if track.estimate.t <= t
     }
-    predictions = expectations(setup, tracks, expected, t)
-    detector = setup.seeing.detector_for(tick.frame.size_px)
+    predictions = expectations(lookout, tracks, expected, t)
+    detector = lookout.seeing.detector_for(tick.frame.size_px)
     scene = locate(detector, tick.frame, predictions, light)
     seen = {d.robot_id: d for d in scene.detections}
     corrected = {
-        robot: _corrected(setup, tracks.get(robot), expected.get(robot), detection, t)
+        robot: _corrected(lookout, tracks.get(robot), expected.get(robot), detection, t)
         for robot, detection in seen.items()
         if robot in expected or robot not in tracks
     }
-    return scene, with_doubts(setup.tags, tracks, {**tracks, **corrected})
+    return scene, with_doubts(lookout.tags, tracks, {**tracks, **corrected})
 
 
-def ahead_of(setup: Setup, tracks: Tracks, t_effective: float) -> dict[RobotId, Track]:
+def ahead_of(lookout: Lookout, tracks: Tracks, t_effective: float) -> dict[RobotId, Track]:
     """Roll every track through the commands sent, to the moment the next command takes effect.
 
     Args:
-        setup: motion models.
+        lookout: motion models.
         tracks: of all robots seen so far.
         t_effective: that moment [s].
 
     Returns:
         The tracks with their states at t_effective.
     """
-    return {robot: _rolled(setup, track, t_effective) for robot, track in tracks.items()}
+    return {robot: _rolled(lookout, track, t_effective) for robot, track in tracks.items()}
 
 
 def remember(tracks: Tracks, commands: tuple[Command, ...]) -> dict[RobotId, Track]:
@@ -138,34 +138,38 @@ def remember(tracks: Tracks, commands: tuple[Command, ...]) -> dict[RobotId, Tra
     return noted
 
 
-def _model(setup: Setup, sent: SentCommands) -> MotionModel:
+def _model(lookout: Lookout, sent: SentCommands) -> MotionModel:
     """A robot moves by its commands, or, before the first, as it likes."""
-    return setup.motion if sent.times else setup.free_motion
+    return lookout.motion if sent.times else lookout.free_motion
 
 
-def _rolled(setup: Setup, track: Track, t: float) -> Track:
+def _rolled(lookout: Lookout, track: Track, t: float) -> Track:
     if t <= track.t_ahead:
         return track
-    model, gain = _model(setup, track.sent), track.estimate.gain
+    model, gain = _model(lookout, track.sent), track.estimate.gain
     state = roll(track.ahead, track.t_ahead, t, track.sent, model, gain)
     return replace(track, ahead=state, t_ahead=t)
 
 
 def _corrected(
-    setup: Setup, track: Track | None, expected: Estimate | None, seen: Detection, t: float
+    lookout: Lookout, track: Track | None, expected: Estimate | None, seen: Detection, t: float
 ) -> Track:
     """The track after a sighting: started, corrected, or kept if the pose cannot be believed."""
     if track is None or expected is None:
-        estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
+        estimate = initial_estimate(seen.pose, seen.covariance, t, lookout.free_motion)
         return Track(estimate, estimate.state, t, ambiguous=seen.ambiguous)
-    covariance = seen.covariance + setup.pose_noise
+    covariance = seen.covariance + lookout.pose_noise
     if _is_believable(expected, seen.pose, covariance):
         estimate = correct(expected, seen.pose, covariance)
-    elif t - track.estimate.t > setup.rules.stop_after or _is_again(track.elsewhere, seen.pose, t):
-        estimate = initial_estimate(seen.pose, seen.covariance, t, setup.free_motion)
+    elif _is_long_lost(lookout, track, t) or _is_again(track.elsewhere, seen.pose, t):
+        estimate = initial_estimate(seen.pose, seen.covariance, t, lookout.free_motion)
     else:
         return replace(track, elsewhere=Sighting(t, seen.pose))
     return Track(estimate, estimate.state, t, track.sent, seen.ambiguous)
+
+
+def _is_long_lost(lookout: Lookout, track: Track, t: float) -> bool:
+    return t - track.estimate.t > lookout.rules.stop_after
 
 
 def _is_again(before: Sighting | None, pose: Pose2D, t: float) -> bool:

@@ -22,7 +22,7 @@ from pipeline.cli import (
     study,
     tags,
 )
-from pipeline.errors import CameraError, RadioError
+from pipeline.errors import CameraError, RadioError, SafetyStop
 
 app = typer.Typer(
     name="echelon",
@@ -72,7 +72,7 @@ for command in (
     app.command()(getattr(command, command.__name__.rsplit(".", 1)[-1]))
 app.add_typer(calibrate.calibrate)
 
-USAGE, DEVICE = 2, 3
+USAGE, DEVICE, STOPPED = 2, 3, 4
 
 
 def main() -> None:
@@ -86,4 +86,10 @@ def main() -> None:
             traceback.print_exc()
         line = " ".join(str(error).split())
         print(f"echelon: {line}", file=sys.stderr)  # noqa: T201 (the one line a user reads)
-        sys.exit(DEVICE if isinstance(error, CameraError | RadioError) else USAGE)
+        sys.exit(_status(error))
+
+
+def _status(error: EchelonError) -> int:
+    if isinstance(error, SafetyStop):
+        return STOPPED
+    return DEVICE if isinstance(error, CameraError | RadioError) else USAGE

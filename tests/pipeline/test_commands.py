@@ -46,7 +46,9 @@ KEYS = {"scenario", "frames", "duration_s", "wall_s", "followers", "leader", "mi
         (("simulate", "nosuch"), 2, 'no scenario "nosuch"'),
         (("simulate", "--sweep", "sensor.blur_px=1,2"), 2, "sensor.blur_px"),
         (("simulate", "--runs", "2", "--trajectory", "t.csv"), 2, "--trajectory is of one run"),
-        (("calibrate", "robots"), 2, "not in this version"),
+        (("calibrate", "robots"), 2, "missing key safety.arena_m"),
+        (("calibrate", "robots", "--radio", "none"), 2, "needs a radio"),
+        (("calibrate", "robots", "--camera", "0"), 2, "needs a radio"),
     ],
 )
 def test_wrong_use_is_one_clear_line(arguments: tuple[str, ...], status: int, said: str) -> None:
