@@ -9,6 +9,7 @@ from typing import Any
 from datasets.cycle import SafetyEvent
 from datasets.sightings import VisionScore
 from datasets.truth import Arrival, Latencies, RunResult
+from pipeline.cadence import Cadence
 from pipeline.finding import Finding
 
 
@@ -51,6 +52,20 @@ class Output:
         else:
             for title, header, rows in _run_tables(result):
                 self.table(title, header, rows)
+
+    def cadence(self, cadence: Cadence) -> None:
+        """Print how a run kept its time; with JSON only what is wrong is told.
+
+        Args:
+            cadence: after the run.
+        """
+        if not self.as_json:
+            rows = [
+                (name, *(f"{value:.2f}" for value in values)) for name, *values in cadence.rows()
+            ]
+            self.table("Cadence", ("what", "median ms", "99 % ms", "most ms"), rows)
+        for line in cadence.advice():
+            self.say(line)
 
     def findings(self, scenario: str, findings: Sequence[Finding]) -> None:
         """Print what was checked.

@@ -12,12 +12,14 @@ import typer
 
 from datasets.recorded import SessionHeader, SessionWriter, software_versions
 from pipeline.accounts import account
+from pipeline.cadence import Cadence
 from pipeline.camera_model import require_floor
 from pipeline.certificate_findings import broken_gains
 from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
 from pipeline.live import run
+from pipeline.notice import tell
 from pipeline.operators.open import open_operator
 from pipeline.placing import place_followers
 from pipeline.ports import Observer
@@ -27,6 +29,7 @@ from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_scores, make_setup
 from pipeline.trajectory import TrajectoryFile
+from pipeline.transitions import Transitions
 
 SAFETY_STOP, INTERRUPTED = 4, 130
 PATIENCE = 10.0  # for robots that a rendered camera should see at once [s]
@@ -111,12 +114,16 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None
         with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:
+            cadence = Cadence(scenario.camera.fps, setup.period, tell)
+            told = Transitions(tell, setup.rules.hold)
             operator = open_operator(setup, output.say)
-            rig = replace(rig, observers=(scores, *others), operator=operator)
+            rig = replace(rig, observers=(scores, cadence, told, *others), operator=operator)
             start = perf_counter()
             why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start
     output.result(scores.result(setup.name, wall))
+    if not request.fast:
+        output.cadence(cadence)
     for line in account(rig):
         output.say(line)
     finish(outputs, output)
