@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from time import monotonic, sleep
 
@@ -149,6 +150,12 @@ class Typist:
             assert monotonic() < end, self.said
             sleep(0.02)
 
+    def close(self) -> None:
+        """End it, whatever it does."""
+        self.process.kill()
+        self.process.wait(10.0)
+        os.close(self.master)
+
     def type(self, keys: bytes) -> None:
         os.write(self.master, keys)
 
@@ -156,29 +163,31 @@ class Typist:
 @pytest.mark.realtime
 def test_a_person_drives_the_leader_stops_it_and_arms_it_again(tmp_path: Path) -> None:
     session = tmp_path / "keys.mcap"
-    typist = Typist(
-        "live", "paper", "--hold", "--set", "leader.driven_by=keys", "--set", "duration_s=60",
-        "--record", session,
-    )  # fmt: skip
-    typist.wait_for("nothing moves before r")
-    typist.wait_for("armed")
-    sleep(0.5)
-    typist.type(b"r")
-    typist.wait_for("running")
-    typist.type(UP + UP + LEFT)
-    sleep(1.5)
-    typist.type(b" ")
-    typist.wait_for("stopped")
-    sleep(0.5)
-    typist.type(b"r" + UP)
-    sleep(1.0)
-    typist.type(b"\x03")  # Ctrl-C
-    assert typist.process.wait(10.0) == 130
-    moments = list(read_session(session))
-    check_course(moments)
+    keyed = ("--set", "leader.driven_by=keys", "--set", "duration_s=60")
+    with closing(Typist("live", "paper", "--hold", *keyed, "--record", session)) as typist:
+        drive(typist)
+    check_course(list(read_session(session)))
     done = echelon("replay", session, "--compare", "--json")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["leader"] is None
+
+
+def drive(typist: Typist) -> None:
+    """Arm, drive, stop, arm and drive again; then what Ctrl-C sends."""
+    typist.wait_for("nothing moves before r")
+    typist.wait_for("idle -> armed")
+    sleep(0.5)
+    typist.type(b"r")
+    typist.wait_for("armed -> running")
+    typist.type(UP + UP + LEFT)
+    sleep(1.5)
+    typist.type(b" ")
+    typist.wait_for("running -> stopped")
+    sleep(0.5)
+    typist.type(b"r" + UP)
+    sleep(1.0)
+    typist.process.send_signal(signal.SIGINT)
+    assert typist.process.wait(30.0) == 130
 
 
 def check_course(moments: list[Moment]) -> None:
