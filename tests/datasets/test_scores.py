@@ -128,7 +128,7 @@ def test_counts_times_and_events() -> None:
 
 def test_how_old_frames_were_on_arrival_is_told_where_it_is_known() -> None:
     assert run().arrival is None
-    scores, image = Scores(FORMATION, D, PATH, CAMERA, 0.075), np.zeros((4, 6, 3), np.uint8)
+    scores, image = Scores(FORMATION, D, CAMERA, 0.075), np.zeros((4, 6, 3), np.uint8)
     scene = seen((), 0.0, 0.0)
     for n in range(100):
         t = 0.1 * n

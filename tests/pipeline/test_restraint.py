@@ -1,10 +1,15 @@
 """Bodies kept apart in whole runs: true bodies, through pixels."""
 
+from typing import Any
+
 import numpy as np
+import pytest
 
 from control.command import Command
-from datasets.bodies import pair_gaps
+from datasets.bodies import Floats, pair_gaps
 from datasets.cycle import Moment
+from pipeline import restraint
+from pipeline.clearing import clear_commands
 from tests.pipeline.runs import run_scenario
 
 SIDE = 0.075
@@ -52,3 +57,18 @@ def test_robots_nobody_drives_are_not_run_into() -> None:
     event = next(e for e in result.safety_events if e.robot_id == 1)
     assert event.kind == "kept-apart"
     assert "nearest is robot 3" in event.detail
+
+
+def test_a_carried_leader_counts_as_one_that_gives_no_way(monkeypatch: pytest.MonkeyPatch) -> None:
+    tables = list[Floats]()
+
+    def _noted(table: Floats, *rest: Any) -> Floats:
+        tables.append(table)
+        return clear_commands(table, *rest)
+
+    monkeypatch.setattr(restraint, "clear_commands", _noted)
+    run_scenario("hand", 1, duration=1.0)
+    rows = np.array(tables)
+    assert np.isnan(rows[:, 0, 5:7]).all()  # nobody drives it
+    assert (rows[:, 0, 9] == 0.0).all()
+    assert (rows[:, 1:, 9] == restraint.FOLLOWER_FREEDOM).all()
