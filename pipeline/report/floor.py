@@ -1,6 +1,6 @@
 """The paper's figure 6: where the robots drove, with their outlines at intervals."""
 
-from math import cos, sin
+from math import cos, hypot, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _SNAPSHOTS = 9  # at most
 _INTERVALS = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 60.0)  # round ones [s]
-_PLAN_STEP = 0.02  # [s]
+ASIDE = 0.085  # from the leader to its time [m]
 
 
 def trajectories(series: Series, setup: Setup) -> "Figure":
@@ -42,6 +42,8 @@ def trajectories(series: Series, setup: Setup) -> "Figure":
         _draw_paths(axes, series)
         for k in _snapshots(times, states):
             _draw_snapshot(axes, setup, states[k], float(times[k]))
+        for place, text in _times_told(times, states):
+            axes.text(*place, text, fontsize=7.5, color="#444444", ha="center", va="center")
         figure.legend(loc="outside upper center", ncols=5, fontsize=9)
         axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x  [m]")
@@ -85,8 +87,20 @@ def _snapshots(times: Floats, states: Floats) -> list[int]:
     return sorted({int(known[k]) for k in nearest})
 
 
+def _times_told(times: Floats, states: Floats) -> list[tuple[tuple[float, float], str]]:
+    """Beside the leader the times of its snapshots, together where it stood."""
+    told: list[tuple[tuple[float, float], str]] = []
+    for k in _snapshots(times, states):
+        x, y, theta = states[k, 0, :3].tolist()
+        place, text = (x - ASIDE * sin(theta), y + ASIDE * cos(theta)), f"{times[k]:.3g}"
+        if told and hypot(place[0] - told[-1][0][0], place[1] - told[-1][0][1]) < ASIDE:
+            text = f"{told.pop()[1].removesuffix(' s')}, {text}"
+        told.append((place, f"{text} s"))
+    return told
+
+
 def _draw_snapshot(axes: "Axes", setup: Setup, states: Floats, t: float) -> None:
-    """Bodies, links from leaders to followers, wanted places, and the time at the leader."""
+    """Bodies, links from leaders to followers, and wanted places."""
     robots = setup.formation.robots
     poses = {robots[i]: Pose2D(*states[i, :3].tolist()) for i in range(len(robots))}
     outline = {tag.robot_id: tag.parts[0].polygon for tag in setup.tags.tags}
@@ -102,10 +116,6 @@ def _draw_snapshot(axes: "Axes", setup: Setup, states: Floats, t: float) -> None
             wanted = wanted_pose(leaders, references, follower, setup.follower.camera_offset)
             line = placed(outline[robot], wanted)
             axes.fill(*line.T, fill=False, ec=color_of(robots.index(robot)), lw=0.9, ls=":")
-    lead = poses[robots[0]]
-    aside = 0.085 * np.array([-sin(lead.theta), cos(lead.theta)])
-    where = (lead.x + aside[0], lead.y + aside[1])
-    axes.text(*where, f"{t:.3g} s", fontsize=7.5, color="#444444", ha="center", va="center")
 
 
 def _draw_body(axes: "Axes", outline: Floats, pose: Pose2D, color: str) -> None:
