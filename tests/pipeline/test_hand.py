@@ -23,7 +23,7 @@ DRIVE = KeyDrive(speed=0.5, turn=2.0, ramp=1.0)
 
 
 def test_robots_keep_their_places_behind_a_hand() -> None:
-    _, result, moments = run_scenario("hand", 1)
+    _, result, moments = run_scenario("hand-led", 1)
     carried = [(r.state.x, r.state.y) for m in moments for r in m.truth if r.robot_id == 1]
     assert np.linalg.norm(np.array(carried[-1]) - carried[0]) > 0.8
     assert all(c.robot_id != 1 for m in moments for c in m.cycle.commands)
@@ -41,7 +41,7 @@ def test_robots_keep_their_places_behind_a_hand() -> None:
 
 def test_a_batch_knows_plans_only() -> None:
     with pytest.raises(ConfigError, match="robot 1 is carried"):
-        make_experiment(load_scenario("hand"))
+        make_experiment(load_scenario("hand-led"))
     with pytest.raises(ConfigError, match="a person drives the leader"):
         make_experiment(load_scenario("paper", ("leader.driven_by=keys",)))
     with pytest.raises(ConfigError, match="must arm it"):

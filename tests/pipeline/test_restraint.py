@@ -67,7 +67,7 @@ def test_a_carried_leader_counts_as_one_that_gives_no_way(monkeypatch: pytest.Mo
         return clear_commands(table, *rest)
 
     monkeypatch.setattr(restraint, "clear_commands", _noted)
-    run_scenario("hand", 1, duration=1.0)
+    run_scenario("hand-led", 1, duration=1.0)
     rows = np.array(tables)
     assert np.isnan(rows[:, 0, 5:7]).all()  # nobody drives it
     assert (rows[:, 0, 9] == 0.0).all()
