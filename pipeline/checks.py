@@ -50,7 +50,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         *certificate_findings(make_certificates(setup, start_states(scenario, setup)), setup),
         *(_plan(scenario, setup, setup.path) if setup.path else _by_hand(scenario, setup)),
         *_seeing(scenario, setup.seeing),
-        *check_radios(scenario, setup.formation.robots),
+        *check_radios(scenario, scenario.commanded),
         _safety(scenario),
     )
 

@@ -195,11 +195,11 @@ class Scenario(Section):
     simulation: SimulationConfig = SimulationConfig()
 
     @property
-    def undriven(self) -> tuple[int | str, ...]:
-        """Robots that nobody commands: a hand moves them."""
+    def commanded(self) -> tuple[int | str, ...]:
+        """Robots that a radio must reach: all but those that a hand moves."""
         by_hand = self.formation and self.leader and self.leader.driven_by == "hand"
         leader = self.formation.root if self.formation and by_hand else None
-        return tuple(r.id for r in self.robots if r.carried or r.id == leader)
+        return tuple(r.id for r in self.robots if not r.carried and r.id != leader)
 
     @field_validator("robots")
     @classmethod
@@ -209,6 +209,20 @@ class Scenario(Section):
         if twice:
             raise ValueError(f"robot id given twice: {', '.join(twice)}")
         return robots
+
+    @model_validator(mode="after")
+    def _nobody_drives_the_carried(self) -> Self:
+        if self.formation is None or self.leader is None:
+            return self
+        led = {self.formation.root} if self.leader.driven_by == "hand" else set()
+        driven = {*self.formation.robots} - led
+        for robot in self.robots:
+            if robot.carried and robot.id in driven:
+                raise ValueError(
+                    f"robot {robot.id} is carried and cannot be driven: let it lead with "
+                    'leader.driven_by = "hand", or leave it out of the formation'
+                )
+        return self
 
     @model_validator(mode="after")
     def _formation_names_robots(self) -> Self:

@@ -1,16 +1,18 @@
-"""Ctrl-C and SIGTERM as a question the loop asks, so that robots are stopped and files closed."""
+"""Ctrl-C, SIGTERM and a closed terminal as a question the loop asks, so that robots are stopped."""
 
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # not all of them everywhere
 
 
 @contextmanager
 def interruption() -> Iterator[Callable[[], bool]]:
-    """Take over Ctrl-C and SIGTERM while a run lasts; signals during the shutdown are ignored.
+    """Take over Ctrl-C, SIGTERM and SIGHUP while a run lasts; those of the shutdown are ignored.
+
+    A SIGHUP that is ignored already, as nohup wants it, stays so.
 
     Yields:
         A function that tells whether one has come.
@@ -21,9 +23,17 @@ def interruption() -> Iterator[Callable[[], bool]]:
         del frame
         came.append(number)
 
-    before = {number: signal.signal(number, _note) for number in SIGNALS}
+    before = {number: signal.signal(number, _note) for number in _taken()}
     try:
         yield lambda: bool(came)
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _taken() -> Iterator[int]:
+    for name in NAMES:
+        number = getattr(signal, name, None)
+        kept = name == "SIGHUP" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+        if number is not None and not kept:
+            yield number

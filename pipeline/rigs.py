@@ -199,8 +199,8 @@ def _simulated_radio(scenario: Scenario, world: World, seed: int) -> SimulatedRa
 def _real_radio(
     scenario: Scenario, spec: str, clock: Clock, interrupted: Interrupted
 ) -> CommandSink:
-    robots = tuple(robot.id for robot in scenario.robots if robot.id not in scenario.undriven)
-    return open_radio(spec, clock, radio_settings(scenario.radio), robots, interrupted)
+    settings = radio_settings(scenario.radio)
+    return open_radio(spec, clock, settings, scenario.commanded, interrupted)
 
 
 def _plant(robot: RobotConfig) -> RobotPlant:

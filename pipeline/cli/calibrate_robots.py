@@ -10,17 +10,8 @@ from pipeline.cli import options
 
 def robots(
     scenario: options.ScenarioName = "paper",
-    camera: Annotated[
-        str,
-        typer.Option(metavar="SPEC", help="rendered, an index, /dev/videoN, a URL."),
-    ] = "rendered",
-    radio: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SPEC",
-            help="simulated, or miabot:ID=PORT,.... Default: simulated with the rendered camera.",
-        ),
-    ] = None,
+    camera: options.Camera = "rendered",
+    radio: options.Radio = None,
     out: Annotated[Path, typer.Option(metavar="FILE", help="The TOML fragment.")] = Path(
         "robots.toml"
     ),

@@ -74,7 +74,7 @@ def calibrate_robots(request: RobotsRequest, out: Path, output: Output) -> None:
         raise ConfigError("calibrate robots: needs a radio: --radio SPEC")
     scenario = load_scenario(request.scenario, request.overrides)
     with _bench(scenario, request, request.spec, output) as (bench, ground):
-        moved = calibrate_by_moving(bench, ground, tuple(robot.id for robot in scenario.robots))
+        moved = calibrate_by_moving(bench, ground, scenario.commanded)
     figures = {tag: figures_of(fit, scenario.radio) for tag, fit in moved.fits.items()}
     common = common_figures(tuple(figures.values()))
     spec = paired_spec(request.spec, moved.pairing)
@@ -100,7 +100,7 @@ def plan_robots(request: RobotsRequest, output: Output) -> None:
         Exit: with status 130 after Ctrl-C.
     """
     scenario = load_scenario(request.scenario, request.overrides)
-    robots = tuple(robot.id for robot in scenario.robots)
+    robots = scenario.commanded
     with _bench(scenario, request, "none", output) as (bench, ground):
         surveyed = survey(bench, look_for_all(bench, robots), ground, DRIVING)
     each = {robot: surveyed[robot] for robot in robots if robot in surveyed}

@@ -9,19 +9,8 @@ from pipeline.cli import options
 
 def live(
     scenario: options.ScenarioName = "paper",
-    camera: Annotated[
-        str,
-        typer.Option(metavar="SPEC", help="rendered, an index, /dev/videoN, a URL, or a file."),
-    ] = "rendered",
-    radio: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SPEC",
-            help="simulated, none, miabot:ID=PORT,..., miabot-tcp:ID=HOST:PORT,..., "
-            "miabot-tcp-listen:HOST:PORT, vsss:PORT, or firasim:HOST:PORT. "
-            "Default: simulated with the rendered camera, none with any other.",
-        ),
-    ] = None,
+    camera: options.Camera = "rendered",
+    radio: options.Radio = None,
     duration: Annotated[
         float | None,
         typer.Option(metavar="S", min=0.0, help="End after this many seconds."),

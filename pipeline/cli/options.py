@@ -28,6 +28,18 @@ CommandPeriod = Annotated[
         "--command-period", metavar="S", min=0.001, max=1.0, help="Seconds between commands."
     ),
 ]
+Camera = Annotated[
+    str, typer.Option(metavar="SPEC", help="rendered, an index, /dev/videoN, a URL, or a file.")
+]
+Radio = Annotated[
+    str | None,
+    typer.Option(
+        metavar="SPEC",
+        help="simulated, none, miabot:ID=PORT,..., miabot-tcp:ID=HOST:PORT,..., "
+        "miabot-tcp-listen:HOST:PORT, vsss:PORT, or firasim:HOST:PORT. "
+        "Default: simulated with the rendered camera, none with any other.",
+    ),
+]
 Record = Annotated[
     Path | None,
     typer.Option("--record", metavar="FILE", help="Record the session (.mcap): replay it later."),

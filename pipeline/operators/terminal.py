@@ -52,11 +52,13 @@ class Terminal:
         import termios
 
         before, self._before = self._before, None
-        if before is not None:
+        if before is not None and not _is_in_background(self._stdin):
             with suppress(termios.error):  # the terminal may be gone
                 termios.tcsetattr(self._stdin, termios.TCSANOW, before)
 
     def _typed(self) -> bytes:
+        if _is_in_background(self._stdin):
+            return b""
         ready, _, _ = select.select([self._stdin], [], [], 0.0)
         try:
             return os.read(self._stdin, READ_AT_ONCE) if ready else b""
@@ -68,6 +70,15 @@ def there_is_a_terminal() -> bool:
     """Whether somebody may type.
 
     Returns:
-        True if input and messages are a terminal's.
+        True if input and messages are a terminal's, and this program is not in its background.
     """
-    return sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    terminals = sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty()
+    return terminals and not _is_in_background(sys.stdin.fileno())
+
+
+def _is_in_background(stdin: int) -> bool:
+    """Whether a touch of the terminal would suspend this program: a shell's job behind others."""
+    try:
+        return os.tcgetpgrp(stdin) != os.getpgrp()
+    except OSError:  # not the terminal that controls this program, or none
+        return False

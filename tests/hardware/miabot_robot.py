@@ -7,8 +7,9 @@ import tty
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from time import monotonic
-from types import TracebackType
 from typing import Protocol
+
+from tests.hardware.closed import Closed
 
 LONGEST = 32  # bytes a command may have between its brackets
 FULL_SCALE = 1000  # wheel units
@@ -171,7 +172,7 @@ class Firmware(Protocol):
         ...
 
 
-class Ptys:
+class Ptys(Closed):
     """Robots on ptys, served by one thread.
 
     Attributes:
@@ -195,17 +196,6 @@ class Ptys:
         self._stop_read, self._stop_write = os.pipe()
         self._thread = threading.Thread(target=self._serve, daemon=True)
         self._thread.start()
-
-    def __enter__(self) -> "Ptys":
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Unplug all robots; whoever has a port open sees it go. Safe to call twice."""

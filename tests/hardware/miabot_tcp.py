@@ -6,15 +6,14 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from time import monotonic
-from types import TracebackType
-from typing import Self
 
+from tests.hardware.closed import Closed
 from tests.hardware.miabot_robot import Miabot
 
 STRIDE = 0.02  # longest sleep [s]
 
 
-class TcpMiabot:
+class TcpMiabot(Closed):
     """A robot that listens on a port, or calls a host and calls again when it was cut off.
 
     Attributes:
@@ -68,17 +67,6 @@ class TcpMiabot:
         self._thread.join()
         if self._server is not None:
             self._server.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _live(self) -> None:
         while not self._ending.is_set():

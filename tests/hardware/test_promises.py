@@ -150,8 +150,13 @@ def test_a_host_that_dies_leaves_robots_that_stop_by_themselves(tmp_path: Path) 
     assert all(abs(robot["v_mps"]) < 0.02 for frame in late for robot in frame["robots"])
 
 
-def test_a_terminated_host_stops_its_robots_three_times(tmp_path: Path) -> None:
-    truth = driven(tmp_path, lambda run: run.end(signal.SIGTERM) and None)
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_terminated_host_stops_its_robots_three_times(number: int, tmp_path: Path) -> None:
+    def _course(run: Driven) -> None:
+        run.end(number)
+        assert run.process.returncode == 130
+
+    truth = driven(tmp_path, _course)
     for robot in truth["robots"]:
         last = max(t for t, *_ in robot["commands"])
         assert len([t for t in robot["stops"] if t > last]) >= 3

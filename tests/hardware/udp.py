@@ -2,13 +2,13 @@
 
 import socket
 import threading
-from types import TracebackType
-from typing import Self
+
+from tests.hardware.closed import Closed
 
 LARGEST = 65_536  # of a datagram [B]
 
 
-class UdpServer:
+class UdpServer(Closed):
     """Takes datagrams until it is closed.
 
     Attributes:
@@ -54,17 +54,6 @@ class UdpServer:
         self._ending.set()
         self._thread.join()
         self._socket.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _serve(self) -> None:
         while not self._ending.is_set():

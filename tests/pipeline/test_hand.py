@@ -39,6 +39,15 @@ def test_robots_keep_their_places_behind_a_hand() -> None:
     assert {event.kind for event in result.safety_events} <= {"kept-apart"}
 
 
+def test_the_carried_are_not_driven() -> None:
+    assert load_scenario("hand-led").commanded == (2, 3)
+    assert load_scenario("paper", ("leader.driven_by=hand",)).commanded == (2, 3)
+    assert load_scenario("paper", ("leader.driven_by=keys",)).commanded == (1, 2, 3)
+    for change in ("robots.2.carried={segments=[{straight_m=1.0}]}", "leader.driven_by=plan"):
+        with pytest.raises(ConfigError, match="is carried and cannot be driven"):
+            load_scenario("hand-led", (change,))
+
+
 def test_a_batch_knows_plans_only() -> None:
     with pytest.raises(ConfigError, match="robot 1 is carried"):
         make_experiment(load_scenario("hand-led"))

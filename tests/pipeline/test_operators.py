@@ -116,6 +116,28 @@ def test_a_terminal_is_given_back_as_it_was() -> None:
         Terminal(DRIVE, os.open(os.devnull, os.O_RDONLY))
 
 
+BACKGROUND = """
+import os, pty, sys
+master, slave = pty.openpty()
+os.setsid()
+os.close(os.open(os.ttyname(slave), os.O_RDWR))  # the first one becomes its terminal
+os.dup2(slave, 0), os.dup2(slave, 2)
+from pipeline.operators.terminal import there_is_a_terminal
+assert there_is_a_terminal()
+if os.fork() == 0:
+    os.setpgid(0, 0)  # as a shell does with a job behind others
+    os._exit(there_is_a_terminal())
+sys.exit(os.waitstatus_to_exitcode(os.wait()[1]))
+"""
+
+
+def test_a_program_in_the_background_leaves_the_terminal_alone() -> None:
+    done = subprocess.run(
+        (sys.executable, "-c", BACKGROUND), start_new_session=False, timeout=60, check=False
+    )
+    assert done.returncode == 0
+
+
 def test_keys_without_a_terminal_are_refused() -> None:
     done = echelon("live", "paper", "--set", "leader.driven_by=keys", "--fast")
     assert done.returncode == 2
