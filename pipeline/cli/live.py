@@ -34,7 +34,9 @@ def live(
     """Run a formation: frames in, commands out.
 
     Without options: the paper's experiment, with rendered frames and simulated robots, in real
-    time. Ctrl-C stops every robot and closes the recording readable.
+    time. Ctrl-C stops every robot and closes the recording readable. In a terminal space is an
+    emergency stop, r arms again, c tells how the loop keeps its time; SIGUSR1 and SIGUSR2 stop and
+    arm from elsewhere.
     """
     from pipeline.cli.output import Output  # heavy rooms are entered only when needed
     from pipeline.cli.running import Outputs, Request, run_live
