@@ -7,6 +7,7 @@ shares nothing with the program under test but the stream and the ptys.
 """
 
 import argparse
+import gc
 import json
 import os
 import resource
@@ -229,6 +230,7 @@ def main() -> None:
     parser.add_argument("--truth", type=Path, help="JSON file for the truth")
     args = parser.parse_args()
     outside = Outside(load_scenario(args.scenario), args.stream, args.port, args.seed)
+    gc.freeze()  # to look for garbage among all that stops this world for 0.1 s
 
     def write() -> None:
         if args.truth:
