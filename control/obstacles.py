@@ -1,6 +1,6 @@
 """What a formation keeps off: obstacles that move, and the border of the arena."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 
 from control.actuation import require_finite
@@ -34,6 +34,17 @@ class Obstacle:
         require_finite("obstacle", self.x, self.y, self.radius, self.vx, self.vy)
         if not self.radius >= 0.0:
             raise ControlError(f"the radius of an obstacle must be >= 0 m, got {self.radius:g} m")
+
+    def after(self, t: float) -> "Obstacle":
+        """The obstacle as it is some time later.
+
+        Args:
+            t: since time 0 [s].
+
+        Returns:
+            The same, moved on.
+        """
+        return replace(self, x=self.x + self.vx * t, y=self.y + self.vy * t)
 
     def apart(self, positions: Array, t: Array) -> Array:
         """From the centre to positions, each at its time.

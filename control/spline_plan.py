@@ -112,11 +112,35 @@ class SplinePlan:
         Raises:
             ControlError: if t is not finite.
         """
+        _, gaps = self._gaps(t, obstacles)
+        return float(gaps.min())
+
+    def meets(self, t: float, obstacles: Iterable[Obstacle], clearance: float) -> float:
+        """When the rest of the plan first comes nearer to an obstacle than it may.
+
+        Args:
+            t: now, on the mission's clock [s].
+            obstacles: as they are now.
+            clearance: distance of the leader from an edge that is to be kept [m].
+
+        Returns:
+            That moment, on the mission's clock; inf if there is none [s].
+
+        Raises:
+            ControlError: if t is not finite.
+        """
+        since, gaps = self._gaps(t, obstacles)
+        near = np.flatnonzero(gaps < clearance)
+        return t + float(since[near[0]]) if len(near) else inf
+
+    def _gaps(self, t: float, obstacles: Iterable[Obstacle]) -> tuple[Array, Array]:
+        """(n,) times from t to the end, counted from t, and the least distance from an edge."""
         require_finite("time", t)
         since = np.linspace(0.0, max(self.t_end - t, 0.0), _FINE)
-        way = self.way(t, _FINE)
-        gaps = (float(np.hypot(*o.apart(way, since)).min()) - o.radius for o in obstacles)
-        return min(gaps, default=inf)
+        way, gaps = self.way(t, _FINE), np.full(_FINE, inf)
+        for o in obstacles:
+            gaps = np.minimum(gaps, np.hypot(*o.apart(way, since)) - o.radius)
+        return since, gaps
 
     def _along(self, t: Array) -> tuple[Array, Array]:
         """(3, n) S and (4, 2, n) P, with derivatives; straight on behind the end."""

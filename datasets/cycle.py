@@ -7,6 +7,7 @@ from control.formation import ShapeReference
 from control.geometry import wrap_angle
 from control.plan import PlannedMotion
 from control.relative import RelativeState, Vector2
+from control.replanning import Answer
 from control.unicycle import Twist, UnicycleState
 from vision.frame import Frame
 from vision.scene import Scene
@@ -41,12 +42,14 @@ class Tick:
         frame: the newest frame not yet seen, or None.
         lost_links: robots whose radio link is down.
         orders: of a person.
+        answer: of the planner that was asked for another way.
     """
 
     t: float
     frame: Frame | None = None
     lost_links: tuple[RobotId, ...] = ()
     orders: Orders = NO_ORDERS
+    answer: Answer | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +95,7 @@ class SafetyEvent:
     Attributes:
         t: when [s].
         kind: "robot-stopped", "robot-free", "kept-apart", "camera-silent", "camera-back",
-            "emergency-stop" or "armed".
+            "emergency-stop", "armed", "way-blocked" or "way-free".
         robot_id: whom it concerns, None for all.
         detail: one sentence with the numbers.
     """

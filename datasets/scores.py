@@ -68,7 +68,7 @@ class LeaderScore:
 
 @dataclass(frozen=True, slots=True)
 class Motions:
-    """What the robots of a formation did, tick by tick.
+    """What robots did, tick by tick.
 
     Attributes:
         ids: of the R robots.

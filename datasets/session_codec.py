@@ -77,7 +77,7 @@ def form(hint: Any) -> Form:
 def _record(kind: Any) -> Form:
     """Fields that an older file does not know yet are left to their defaults."""
     hints = get_type_hints(kind)
-    parts = tuple((field.name, form(hints[field.name])) for field in fields(kind))
+    parts = tuple((field.name, form(hints[field.name])) for field in fields(kind) if field.init)
     newer = {field.name for field in fields(kind) if field.default is not MISSING}
 
     def _encode(value: Any) -> Plain:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.command import RobotId
+from control.replanning import Answer
 from datasets.cycle import NO_ORDERS, Cycle, Moment, Orders, RobotState, Tick, Timing
 from datasets.session_codec import Plain, form
 from vision.frame import Frame, as_frame
@@ -69,12 +70,14 @@ class Inputs:
         frame: stamp of the frame it carried, or None.
         lost_links: robots whose radio link was down.
         orders: of a person; recordings of older versions have none.
+        answer: of the planner; recordings of older versions have none.
     """
 
     t: float
     frame: FrameStamp | None
     lost_links: tuple[RobotId, ...]
     orders: Orders = NO_ORDERS
+    answer: Answer | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,8 +193,8 @@ def split(moment: Moment) -> Iterator[tuple[str, Plain]]:
         Topic and plain value, the timing last.
     """
     tick, cycle = moment.tick, moment.cycle
-    frame = tick.frame
-    inputs = Inputs(tick.t, None if frame is None else _stamp(frame), tick.lost_links, tick.orders)
+    stamp = None if tick.frame is None else _stamp(tick.frame)
+    inputs = Inputs(tick.t, stamp, tick.lost_links, tick.orders, tick.answer)
     yield "/inputs", encode_part("/inputs", tick.t, {"inputs": inputs})
     yield "/cycle", encode_part("/cycle", tick.t, {n: getattr(cycle, n) for n in _STATUS})
     for name, topic in _CHANNEL_OF_PART.items():
@@ -223,7 +226,8 @@ def join(parts: Mapping[str, Any], image: NDArray[np.uint8] | None) -> Moment:
         **{name: parts.get(name, absent.get(name, ())) for name in _CHANNEL_OF_PART},
         **{name: parts[name] for name in _STATUS},
     )
-    tick = Tick(inputs.t, _frame(inputs.frame, image), inputs.lost_links, inputs.orders)
+    frame = _frame(inputs.frame, image)
+    tick = Tick(inputs.t, frame, inputs.lost_links, inputs.orders, inputs.answer)
     return Moment(tick, cycle, parts.get("truth", ()), parts["timing"])
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from control.command import RobotId
 from control.formation import Formation, by_follower
 from control.relative import Vector2
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent
@@ -127,6 +128,7 @@ class Scores:
         camera_offset: float,
         camera: CameraModel,
         side: float,
+        others: Sequence[RobotId] = (),
     ) -> None:
         """Begin a run.
 
@@ -135,7 +137,9 @@ class Scores:
             camera_offset: of the followers' camera points, d [m].
             camera: who looks.
             side: of the square bodies and tags [m].
+            others: robots that wear a tag and are not of the formation.
         """
+        self._robots = (*formation.robots, *others)
         self._formation, self._offset = formation, camera_offset
         self._camera, self._side = camera, side
         self._clock: list[tuple[float, float, float]] = []  # t, t_effective, t_start
@@ -196,7 +200,7 @@ class Scores:
             followers=self._followers(motions),
             leader=self._leader(motions, known) if started else None,
             min_clearance_m=least_clearance(motions, self._side),
-            seen=sighted(tuple(self._scenes), self._formation.robots),
+            seen=sighted(tuple(self._scenes), self._robots),
             vision=self._vision(motions) if known else None,
             latency_ms=_latencies(self._latencies),
             commands_sent=self._commands,
@@ -206,16 +210,16 @@ class Scores:
         )
 
     def _states(self, robots: Sequence[RobotState]) -> tuple[tuple[float, ...], ...]:
-        """x, y, theta, v, omega of every robot of the formation, NaN where unknown."""
+        """x, y, theta, v, omega of every robot, NaN where unknown."""
         states = {robot.robot_id: robot.state for robot in robots}
         return tuple(
             (s.x, s.y, s.theta, s.v, s.omega) if (s := states.get(robot_id)) else _UNKNOWN
-            for robot_id in self._formation.robots
+            for robot_id in self._robots
         )
 
     def _motions(self) -> tuple[Motions, bool]:
         """True motions at the ticks; without truth the believed ones at their effective times."""
-        robots = self._formation.robots
+        robots = self._robots
         now, effective, start = np.array(self._clock).reshape(-1, 3).T
         true = np.array(self._true).reshape(-1, len(robots), 5)
         if len(true) and np.isfinite(true).all():

@@ -197,9 +197,10 @@ class Scenario(Section):
     @property
     def commanded(self) -> tuple[int | str, ...]:
         """Robots that a radio must reach: all but those that a hand moves."""
-        by_hand = self.formation and self.leader and self.leader.driven_by == "hand"
-        leader = self.formation.root if self.formation and by_hand else None
-        return tuple(r.id for r in self.robots if not r.carried and r.id != leader)
+        by_hand = {o.robot for o in self.obstacles}
+        if self.formation and self.leader and self.leader.driven_by == "hand":
+            by_hand.add(self.formation.root)
+        return tuple(r.id for r in self.robots if not r.carried and r.id not in by_hand)
 
     @field_validator("robots")
     @classmethod
@@ -230,6 +231,15 @@ class Scenario(Section):
         for robot in self.formation.robots if self.formation else ():
             if robot not in known:
                 raise ValueError(f"formation names robot {robot}, which is not among the robots")
+        return self
+
+    @model_validator(mode="after")
+    def _obstacles_for_a_goal(self) -> Self:
         if self.obstacles and not (self.leader and self.leader.goal):
             raise ValueError("obstacles are for a leader with a goal; segments do not mind them")
+        driven = set(self.formation.robots) if self.formation else set()
+        others = {robot.id for robot in self.robots} - driven
+        for o in self.obstacles:
+            if o.robot is not None and o.robot not in others:
+                raise ValueError(f"obstacle {o.robot} must be a robot outside the formation")
         return self

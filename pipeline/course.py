@@ -1,6 +1,7 @@
 """The leader's way: arcs and lines as the scenario gives them, or planned among obstacles."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import hypot, pi, radians, sqrt
 
 from control.command import RobotId
@@ -23,16 +24,14 @@ STEEPEST = 1.5  # of a smooth ramp, over its mean
 
 
 def make_path(
-    scenario: Scenario, leader: LeaderConfig, formation: Formation, arena: Arena, side: float
+    leader: LeaderConfig, errand: PlanRequest | None, worn: Iterable[Obstacle]
 ) -> Plan | None:
     """The leader's plan.
 
     Args:
-        scenario: its obstacles, and what robots can.
         leader: start, and segments or a goal.
-        formation: that goes along.
-        arena: what no body may leave.
-        side: of the square bodies [m].
+        errand: to the goal, None without one.
+        worn: obstacles that wear a tag, as far as it is known where they stand at first.
 
     Returns:
         The plan on the mission's clock; None if a person drives or carries the leader.
@@ -40,13 +39,12 @@ def make_path(
     Raises:
         ControlError: if a goal cannot be reached; the message names the key.
     """
-    start = leader.start
-    if start is None or leader.driven_by != "plan":
+    if leader.start is None or leader.driven_by != "plan":
         return None
-    if leader.segments is not None:
-        return path_of(leader.segments, start, leader.speed_mps, leader.ramp_s)
+    if errand is None:
+        return path_of(leader.segments or (), leader.start, leader.speed_mps, leader.ramp_s)
     try:
-        return plan(_request(scenario, leader, start, formation, arena, side))
+        return plan(replace(errand, obstacles=(*errand.obstacles, *worn)))
     except ControlError as error:
         raise ControlError(f"leader.goal: {error}") from None
 
@@ -72,16 +70,16 @@ def path_of(
     return PlannedPath(pose, tuple(map(_segment, segments)), speed, start.v_mps, ramp)
 
 
-def obstacles_of(scenario: Scenario) -> tuple[Obstacle, ...]:
-    """What the leader drives round.
+def worn_obstacles(scenario: Scenario) -> dict[RobotId, float]:
+    """Robots that the leader drives round, wherever they are seen.
 
     Args:
         scenario: checked scenario.
 
     Returns:
-        The obstacles at the mission's start.
+        The radius about the tag of each [m].
     """
-    return tuple(Obstacle(o.x_m, o.y_m, o.radius_m, o.vx_mps, o.vy_mps) for o in scenario.obstacles)
+    return {o.robot: o.radius_m for o in scenario.obstacles if o.robot is not None}
 
 
 def wanted_places(
@@ -109,17 +107,27 @@ def wanted_places(
     return places
 
 
-def _request(
-    scenario: Scenario,
-    leader: LeaderConfig,
-    start: StartConfig,
-    formation: Formation,
-    arena: Arena,
-    side: float,
-) -> PlanRequest:
-    """To a standstill at the goal, with room for the shape at first and the shape at last."""
-    c, goal = scenario.control, leader.goal
-    assert goal
+def make_errand(
+    scenario: Scenario, leader: LeaderConfig, formation: Formation, arena: Arena, side: float
+) -> PlanRequest | None:
+    """To a standstill at the goal, with room for the shape at first and the shape at last.
+
+    Args:
+        scenario: its obstacles, and what robots can.
+        leader: start and goal.
+        formation: that goes along.
+        arena: what no body may leave.
+        side: of the square bodies [m].
+
+    Returns:
+        What is asked of the planner, obstacles that wear a tag aside; None without a goal.
+
+    Raises:
+        ControlError: if no plan can begin so.
+    """
+    c, start, goal = scenario.control, leader.start, leader.goal
+    if start is None or goal is None or leader.driven_by != "plan":
+        return None
     d, lead = c.camera_offset_m, Pose2D(0.0, 0.0, 0.0)
     shapes = [wanted_places(formation, lead, t, {}, d) for t in (0.0, scenario.duration_s)]
     poses = [pose for places in shapes for pose in places.values()]
@@ -130,7 +138,7 @@ def _request(
         UnicycleState(start.x_m, start.y_m, radians(start.theta_deg), start.v_mps, 0.0),
         Pose2D(goal.x_m, goal.y_m, radians(goal.heading_deg)),
         clearance=reach + ACCURACY,
-        obstacles=obstacles_of(scenario),
+        obstacles=_fixed_obstacles(scenario),
         arena=arena,
         limits=LeaderLimits(
             v=leader.speed_mps,
@@ -138,6 +146,15 @@ def _request(
             v_rate=STEEPEST * leader.speed_mps / leader.ramp_s,
         ),
         places=tuple(FollowerPlace(x, y, *wheels) for x, y in sorted(points)),
+    )
+
+
+def _fixed_obstacles(scenario: Scenario) -> tuple[Obstacle, ...]:
+    """Those at places that the scenario knows, at the mission's start."""
+    return tuple(
+        Obstacle(o.x_m, o.y_m, o.radius_m, o.vx_mps, o.vy_mps)
+        for o in scenario.obstacles
+        if o.x_m is not None and o.y_m is not None
     )
 
 

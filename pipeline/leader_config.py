@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from control.laws import leader_law_named
-from pipeline.section import Finite, NonNegative, Positive, Section, known
+from pipeline.section import Finite, Identifier, NonNegative, Positive, Section, known
 
 LeaderLawName = Annotated[str, known(leader_law_named)]
 Driver = Literal["plan", "keys", "hand"]
@@ -55,13 +55,25 @@ class GoalConfig(Section):
 
 
 class ObstacleConfig(Section):
-    """A disc to drive round; where it is at the mission's start, and its constant velocity."""
+    """A disc to drive round: about a robot's tag, wherever that is seen, or about a place.
 
-    x_m: Finite
-    y_m: Finite
+    A place is that of the mission's start, and moves with a constant velocity.
+    """
+
+    robot: Identifier | None = None
+    x_m: Finite | None = None
+    y_m: Finite | None = None
     radius_m: Positive
     vx_mps: Finite = 0.0
     vy_mps: Finite = 0.0
+
+    @model_validator(mode="after")
+    def _robot_or_place(self) -> Self:
+        place = (self.x_m is not None, self.y_m is not None)
+        moves = self.vx_mps or self.vy_mps
+        if (self.robot is None) != all(place) or (self.robot is not None and (any(place) or moves)):
+            raise ValueError("give either robot, or x_m and y_m (and its velocity)")
+        return self
 
 
 class LeaderConfig(Section):

@@ -10,7 +10,16 @@ from control.command import RobotId
 from datasets.cycle import Moment, RobotState, Tick, Timing
 from pipeline.memory import Memory
 from pipeline.operators.nobody import Nobody
-from pipeline.ports import Clock, CommandSink, EndOfStream, FrameSource, Observer, Operator
+from pipeline.planners.at_once import AtOnce
+from pipeline.ports import (
+    Clock,
+    CommandSink,
+    EndOfStream,
+    FrameSource,
+    Observer,
+    Operator,
+    Planner,
+)
 from pipeline.setup import Setup
 from pipeline.step import step
 from pipeline.supervisor import ENDS
@@ -45,6 +54,7 @@ class Rig:
         truth: true states of the robots at the present tick.
         observers: who learns of every cycle, in this order.
         operator: the person at the controls.
+        planner: finds other ways for the leader.
     """
 
     source: FrameSource
@@ -53,12 +63,14 @@ class Rig:
     truth: Truth = nobody_knows
     observers: Sequence[Observer] = field(default_factory=tuple)
     operator: Operator = field(default_factory=Nobody)
+    planner: Planner = field(default_factory=AtOnce)
 
     def close(self) -> None:
         """Release everything; the radio first, which sends stop. Safe to call twice."""
         self.sink.close()
         self.source.close()
         self.operator.close()
+        self.planner.close()
         for observer in self.observers:
             observer.close()
 
@@ -158,7 +170,7 @@ def _inputs(rig: Rig, now: float, lost: tuple[RobotId, ...]) -> Tick:
     orders = rig.operator.orders(now)
     if orders.halt:
         rig.sink.stop(now)
-    return Tick(now, rig.source.latest(now), lost, orders)
+    return Tick(now, rig.source.latest(now), lost, orders, rig.planner.answer())
 
 
 def _cycle(
@@ -169,6 +181,8 @@ def _cycle(
     memory, cycle = step(setup, memory, tick, watch.locate)
     decided = perf_counter()
     lost = rig.sink.send(cycle.commands, tick.t)
+    if memory.route.question is not None:
+        rig.planner.ask(memory.route.question)
     timing = Timing(watch.elapsed, decided - start, perf_counter() - start, late)
     moment = Moment(tick, cycle, rig.truth(), timing)
     for observer in rig.observers:

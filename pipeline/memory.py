@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 
 from control.command import RobotId
 from control.estimation import Estimate
@@ -9,6 +10,8 @@ from control.follower import FollowerMemory
 from control.geometry import Pose2D
 from control.history import SentCommands
 from control.leader import LeaderMemory
+from control.plan import Plan
+from control.replanning import Question
 from control.unicycle import UnicycleState
 from pipeline.guard import GuardMemory
 from vision.frame import Frame
@@ -97,6 +100,29 @@ class Laws:
 
 
 @dataclass(frozen=True, slots=True)
+class Route:
+    """The leader's plan, where it is renewed on the way.
+
+    Attributes:
+        plan: the newest one; None: that of the setup.
+        clearance: that the newest one was made with; None: that of the setup [m].
+        before: what is driven until the newest begins; None: it has begun.
+        question: to be asked of the planner now.
+        asked: when the last one was [s].
+        blocked: all stand, until there is another way or this one is free.
+        refused: the last answer was that there is none.
+    """
+
+    plan: Plan | None = None
+    clearance: float | None = None
+    before: Plan | None = None
+    question: Question | None = None
+    asked: float = -inf
+    blocked: bool = False
+    refused: bool = False
+
+
+@dataclass(frozen=True, slots=True)
 class Memory:
     """The state of the fold over ticks.
 
@@ -105,6 +131,7 @@ class Memory:
         tracks: robots seen so far.
         guard: of the safety rules.
         mission: phase and clock.
+        route: the leader's plan now.
         laws: integrals of the control laws.
         light: on the robots, as the last scene told it.
         frame: the last that was looked at.
@@ -114,6 +141,7 @@ class Memory:
     tracks: Mapping[RobotId, Track] = field(default_factory=dict)
     guard: GuardMemory = field(default_factory=GuardMemory)
     mission: Mission = field(default_factory=Mission)
+    route: Route = field(default_factory=Route)
     laws: Laws = field(default_factory=Laws)
     light: Light = PALETTE_LIGHT
     frame: Frame | None = None

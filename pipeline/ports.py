@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from control.command import Command, RobotId
+from control.replanning import Answer, Question
 from datasets.cycle import Moment, Orders
 from vision.frame import Frame
 
@@ -83,6 +84,30 @@ class Operator(Protocol):
 
     def close(self) -> None:
         """Give back what was taken, as a terminal. Safe to call twice."""
+        ...
+
+
+class Planner(Protocol):
+    """Finds the leader another way while the robots drive."""
+
+    def ask(self, question: Question) -> None:
+        """Begin to look for a way; a question that was not answered yet may be forgotten.
+
+        Args:
+            question: what is wanted.
+        """
+        ...
+
+    def answer(self) -> Answer | None:
+        """Ask what was found, without waiting.
+
+        Returns:
+            An answer that was not given before, or None.
+        """
+        ...
+
+    def close(self) -> None:
+        """Release what is held. Safe to call twice."""
         ...
 
 

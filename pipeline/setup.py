@@ -15,6 +15,7 @@ from control.laws import law_named, leader_law_named
 from control.leader import LeaderGains
 from control.obstacles import Obstacle
 from control.plan import Plan
+from control.plan_request import PlanRequest
 from control.reaching import ReachingGains
 from control.safety import Arena, Clearance
 from control.twisting import TwistingGains
@@ -22,7 +23,7 @@ from control.unicycle import SpeedLimits
 from datasets.truth import Scores
 from pipeline.clearing import rehearse_clearing
 from pipeline.config import ControlConfig, Scenario
-from pipeline.course import make_path, obstacles_of
+from pipeline.course import make_errand, make_path, worn_obstacles
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.leader_config import LeaderConfig
@@ -44,7 +45,9 @@ class Setup(Lookout):
         formation: who follows whom, in which shape.
         path: the leader's plan; None: a person moves it.
         keys: how a person drives it by keys; None: not so. Without path and keys a hand carries it.
-        obstacles: that it drives round, where they are at the mission's start.
+        errand: what is asked of the planner, with obstacles where they are at the mission's start;
+            None without a goal.
+        worn: radius of the obstacle about each robot that is one, wherever it is seen [m].
         gains: law and gains by follower.
         follower: a follower's geometry and motors.
         leader_gains: of the leader's law.
@@ -63,7 +66,8 @@ class Setup(Lookout):
     formation: Formation
     path: Plan | None
     keys: KeyDrive | None
-    obstacles: tuple[Obstacle, ...]
+    errand: PlanRequest | None
+    worn: Mapping[RobotId, float]
     gains: Mapping[RobotId, SlidingGains]
     follower: FollowerModel
     leader_gains: LeaderGains
@@ -138,7 +142,9 @@ def make_scores(setup: Setup) -> Scores:
         Scores without any cycle yet.
     """
     offset, side = setup.follower.camera_offset, setup.tags.tags[0].side
-    return Scores(setup.formation, offset, setup.camera, side)
+    driven = setup.formation.robots
+    others = tuple(robot for robot in setup.tags.ids if robot not in driven)
+    return Scores(setup.formation, offset, setup.camera, side, others)
 
 
 def _course(scenario: Scenario) -> tuple[FormationConfig, LeaderConfig]:
@@ -159,7 +165,9 @@ def _setup(
     pairs = make_formation(scenario, formation)
     arena = Arena(*scenario.safety.arena_m) if scenario.safety.arena_m else Arena()
     resting = scenario.startup.initial_rates == "rest"
-    lookout = make_lookout(scenario, seeing)
+    lookout, worn = make_lookout(scenario, seeing), worn_obstacles(scenario)
+    errand = make_errand(scenario, leader, pairs, arena, side)
+    standing = (Obstacle(p.x, p.y, worn[r]) for r, p in lookout.starts.items() if r in worn)
     return Setup(
         seeing=lookout.seeing,
         motion=lookout.motion,
@@ -169,9 +177,10 @@ def _setup(
         starts=lookout.starts,
         name=scenario.name,
         formation=pairs,
-        path=make_path(scenario, leader, pairs, arena, side),
+        path=make_path(leader, errand, standing),
         keys=_keys(leader),
-        obstacles=obstacles_of(scenario),
+        errand=errand,
+        worn=worn,
         gains=_gains(scenario, period),
         follower=_follower(scenario),
         leader_gains=_leader_gains(leader),

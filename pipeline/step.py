@@ -1,8 +1,9 @@
 """ONE cycle: a tick in, commands out. Pure: the same memory and tick give the same bits.
 
 Read this file first. Each stage is a verb in a room of its own: `tracking` looks, corrects at the
-capture time and predicts; `guard` says who may move, `supervisor` whether the formation may;
-`steering` runs the laws; `restraint` keeps bodies apart. Live runs and replays turn the same crank.
+capture time and predicts; `guard` says who may move, `route` whether the leader's way is clear,
+`supervisor` whether the formation may move; `steering` runs the laws; `restraint` keeps bodies
+apart. Live runs and replays turn the same crank.
 """
 
 from control.command import Command
@@ -11,6 +12,7 @@ from pipeline.guard import watch_over
 from pipeline.identity import ambiguous_of, doubts_told
 from pipeline.memory import Laws, Memory
 from pipeline.restraint import restrain
+from pipeline.route import renew, wanted_motion
 from pipeline.setup import Setup
 from pipeline.steering import STANDSTILL, Aim, commands_of, relate, steer
 from pipeline.supervisor import DRIVING, supervise
@@ -38,19 +40,20 @@ def step(
     dt = setup.period if memory.t is None else tick.t - memory.t
     tick = without_repeats(tick, memory.frame)
     scene, tracks = look(setup, memory.tracks, memory.light, tick, locate)  # at capture time
+    t_effective = tick.t + setup.radio_delay
+    tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent
     seen = {robot: track.estimate.t for robot, track in tracks.items()}
     guard, shares, events = watch_over(
         setup.rules, memory.guard, setup.formation, seen, tick, ambiguous_of(tracks)
     )
     mission = watch(setup, memory.mission, scene)
+    route, shares, met, news = renew(setup, memory.route, mission, tracks, shares, tick)
     mission, shares, ordered = supervise(setup, mission, tracks, shares, tick, dt)
-    events = (*events, *ordered)
+    events = (*events, *met, *ordered)
 
-    t_effective = tick.t + setup.radio_delay
-    tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent
     t_mission = t_effective - (tick.t if mission.t_start is None else mission.t_start)
     pairs = relate(setup, tracks, t_mission)
-    planned = setup.path.at(t_mission) if setup.path else None
+    planned = wanted_motion(setup, route, t_mission)
 
     laws, commands, notes = Laws(), NO_COMMANDS, NO_NOTES
     if mission.phase in DRIVING and mission.t_start is not None:
@@ -65,7 +68,7 @@ def step(
     cycle = Cycle(
         tick.t, t_effective, mission.phase, mission.t_start, scene, robots, pairs,
         planned if mission.t_start is not None else None, commands, events,
-        (*doubts_told(setup.tags, memory.tracks, tracks, tick.t), *notes),
+        (*doubts_told(setup.tags, memory.tracks, tracks, tick.t), *news, *notes),
     )  # fmt: skip
     light, frame = (memory.light, memory.frame) if scene is None else (scene.light, tick.frame)
-    return Memory(tick.t, tracks, guard, mission, laws, light, frame), cycle
+    return Memory(tick.t, tracks, guard, mission, route, laws, light, frame), cycle

@@ -3,7 +3,8 @@
     idle      not every robot of the formation is in sight
     armed     all are: they are watched, or the start is waited for
     running   the laws drive
-    holding   all stand: the leader or the camera is lost, or motion waits to be armed again
+    holding   all stand: the leader or the camera is lost, the way is blocked, or motion waits to be
+              armed again
     stopped   emergency stop, latched until it is armed again
     finished, given-up   the run ends
 

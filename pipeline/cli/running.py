@@ -22,6 +22,7 @@ from pipeline.live import run
 from pipeline.notice import tell
 from pipeline.operators.open import open_operator
 from pipeline.placing import place_followers
+from pipeline.planners.open import open_planner
 from pipeline.ports import Observer
 from pipeline.progress import Progress
 from pipeline.publishers.open import open_publisher
@@ -117,7 +118,10 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
             cadence = Cadence(scenario.camera.fps, setup.period, tell)
             told = Transitions(tell, setup.rules.hold)
             operator = open_operator(setup, output.say)
-            rig = replace(rig, observers=(scores, cadence, told, *others), operator=operator)
+            rig = replace(
+                rig, observers=(scores, cadence, told, *others), operator=operator,
+                planner=open_planner(setup, request.fast),
+            )  # fmt: skip
             start = perf_counter()
             why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start

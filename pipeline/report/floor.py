@@ -40,6 +40,7 @@ def trajectories(series: Series, setup: Setup) -> "Figure":
     else:
         _draw_plan(axes, setup, series)
         _draw_paths(axes, series)
+        _draw_obstacles(axes, setup, series, _snapshots(times, states))
         for k in _snapshots(times, states):
             _draw_snapshot(axes, setup, states[k], float(times[k]))
         for place, text in _times_told(times, states):
@@ -57,9 +58,23 @@ def _draw_plan(axes: "Axes", setup: Setup, series: Series) -> None:
     if np.isfinite(series.planned).any():
         line = series.planned.T
         axes.plot(*line, color=GREY, lw=1.0, ls=(0, (5, 4)), label="leader's plan", zorder=1)
+    for o in setup.errand.obstacles if setup.errand else ():  # where they are at the start
+        axes.fill(*_disc(o.x, o.y, o.radius), color=GREY)
+
+
+def _draw_obstacles(axes: "Axes", setup: Setup, series: Series, moments: list[int]) -> None:
+    """Obstacles that wear a tag: their ways, and how much room each wants at some moments."""
+    for number, radius in enumerate(setup.worn.values()):
+        places = series.obstacles[:, number]
+        axes.plot(*places.T, color=GREY, lw=0.7)
+        for x, y in places[moments].tolist():
+            axes.plot(*_disc(x, y, radius), color=GREY, lw=0.9)
+
+
+def _disc(x: float, y: float, radius: float) -> tuple[Floats, Floats]:
+    """Places on a rim [m]."""
     turn = np.linspace(0.0, 2.0 * np.pi, 73)
-    for o in setup.obstacles:  # where they are at the start
-        axes.fill(o.x + o.radius * np.cos(turn), o.y + o.radius * np.sin(turn), color=GREY)
+    return x + radius * np.cos(turn), y + radius * np.sin(turn)
 
 
 def _draw_paths(axes: "Axes", series: Series) -> None:

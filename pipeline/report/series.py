@@ -28,6 +28,7 @@ class Series:
         times: mission clock at the ticks, shape (N,); from the first tick if it never started [s].
         ahead: mission clock when the commands take effect, shape (N,) [s].
         started: whether there was a mission.
+        obstacles: believed places of robots that are obstacles at `ahead`, shape (N, W, 2) [m].
         planned: the leader's places at `ahead`, shape (N, 2) [m].
         true: true states at `times`, shape (N, R, 5) [m, m, rad, m/s, rad/s].
         believed: predicted states at `ahead`, shape (N, R, 5) [m, m, rad, m/s, rad/s].
@@ -47,6 +48,7 @@ class Series:
     times: Floats
     ahead: Floats
     started: bool
+    obstacles: Floats
     planned: Floats
     true: Floats
     believed: Floats
@@ -80,6 +82,7 @@ class Collector:
     setup: Setup
     _clock: "array[float]" = field(default_factory=_numbers)
     _planned: "array[float]" = field(default_factory=_numbers)
+    _obstacles: "array[float]" = field(default_factory=_numbers)
     _true: "array[float]" = field(default_factory=_numbers)
     _believed: "array[float]" = field(default_factory=_numbers)
     _commands: "array[float]" = field(default_factory=_numbers)
@@ -102,6 +105,7 @@ class Collector:
         self._clock.extend((moment.tick.t, cycle.t_effective))
         place = cycle.planned and cycle.planned.state
         self._planned.extend((place.x, place.y) if place else (np.nan, np.nan))
+        self._obstacles.extend(_states(cycle.robots, tuple(self.setup.worn)))
         self._true.extend(_states(moment.truth, robots))
         self._believed.extend(_states(cycle.robots, robots))
         sent = {command.robot_id: command.twist for command in cycle.commands}
@@ -129,6 +133,8 @@ class Collector:
         now, ahead = _table(self._clock, 2).T
         start = self._start if self._start is not None else (now[0] if len(now) else 0.0)
         true = _table(self._true, _STATE * len(robots)).reshape(-1, len(robots), _STATE)
+        worn = len(self.setup.worn)
+        obstacles = _table(self._obstacles, _STATE * worn).reshape(len(now), worn, _STATE)
         frames = _table(self._frames, _FRAME)
         frames[:, 0] -= start
         begun = (now >= start) & (self._start is not None)
@@ -141,6 +147,7 @@ class Collector:
             times=now - start,
             ahead=ahead - start,
             started=self._start is not None,
+            obstacles=obstacles[..., :2],
             planned=_table(self._planned, 2),
             true=true,
             believed=_table(self._believed, _STATE * len(robots)).reshape(true.shape),
@@ -184,7 +191,7 @@ class Collector:
 
 
 def _states(robots: tuple[RobotState, ...], ids: tuple[RobotId, ...]) -> "array[float]":
-    """States of the formation's robots in its order, NaN where unknown."""
+    """States of some robots, NaN where unknown."""
     states = {robot.robot_id: robot.state for robot in robots}
     row = _numbers()
     for robot_id in ids:

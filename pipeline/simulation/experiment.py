@@ -91,9 +91,10 @@ def make_experiment(
 
 def _plan_of(scenario: Scenario, setup: Setup) -> Plan:
     carried = [robot.id for robot in scenario.robots if robot.carried]
-    if setup.path is not None and not carried and not setup.rules.hold:
+    if setup.path is not None and not (carried or setup.worn or setup.rules.hold):
         return setup.path
     who = f"robot {carried[0]} is carried" if carried else "a person drives the leader"
+    who = "the leader plans anew where obstacles move" if setup.worn else who
     who = "a person must arm it (safety.hold)" if setup.rules.hold else who
     raise ConfigError(
         f"scenario {setup.name}: {who}, and simulate knows laws and plans only; run it with "

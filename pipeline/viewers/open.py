@@ -27,7 +27,11 @@ def stage_of(setup: Setup) -> Stage:
     tags = sorted(
         setup.tags.tags, key=lambda tag: order.index(tag.robot_id) if tag.robot_id in order else 99
     )
-    return Stage(setup.camera, tuple(tags), setup.follower.camera_offset, path)
+    discs = setup.errand.obstacles if setup.errand else ()
+    return Stage(
+        setup.camera, tuple(tags), setup.follower.camera_offset, path,
+        tuple((o.x, o.y, o.radius) for o in discs), setup.worn,
+    )  # fmt: skip
 
 
 def open_viewer(view: str, setup: Setup, wait: bool = False) -> Observer:

@@ -56,17 +56,20 @@ class RerunScene:
             self._draw_scene(moment.cycle.scene)
         self._draw_robots(moment.cycle.robots)
         self._draw_track(moment.cycle.robots)
+        self._draw_worn(moment.cycle.robots)
         self._draw_truth(moment.truth)
         self._draw_wanted(moment)
 
     def _draw_ground(self) -> None:
-        """Field of view, grid, planned path."""
+        """Field of view, grid, planned path, what it leads round."""
         field = self._stage.field()
         lines = grid(field.min(axis=0), field.max(axis=0))
         self._lines("floor/grid", lines, [_FAINT] * len(lines), width=1.0, static=True)
         self._lines("floor/field", [field * _UP], [_GREY], width=1.0, static=True)
         path = dashes(self._stage.path)
         self._lines("floor/path", path, [_GREY] * len(path), width=2.0, static=True)
+        discs = [circle(x, -y, radius) for x, y, radius in self._stage.obstacles]
+        self._lines("floor/obstacles", discs, [_GREY] * len(discs), width=2.0, static=True)
 
     def _draw_picture(self, frame: Frame) -> None:
         import rerun as rr
@@ -130,6 +133,16 @@ class RerunScene:
             colors.append(dim(self._stage.color(robot.robot_id), 0.55))
             self._before[robot.robot_id] = here
         self._lines("floor/track", pieces, colors, width=1.5)
+
+    def _draw_worn(self, robots: tuple[RobotState, ...]) -> None:
+        """How much room each robot wants that is an obstacle."""
+        worn = self._stage.worn
+        discs = [
+            circle(robot.state.x, -robot.state.y, worn[robot.robot_id])
+            for robot in robots
+            if robot.robot_id in worn
+        ]
+        self._lines("floor/worn", discs, [_GREY] * len(discs), width=2.0)
 
     def _draw_truth(self, truth: tuple[RobotState, ...]) -> None:
         outlines = [self._stage.outline(r.robot_id, r.state.pose) * _UP for r in truth]

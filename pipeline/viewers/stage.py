@@ -1,7 +1,7 @@
 """What a viewer draws on: the fixed things of a run, and shapes in floor coordinates."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from math import cos, pi, sin
 
 import numpy as np
@@ -37,12 +37,16 @@ class Stage:
         tags: one per robot; the first part is its outline.
         camera_offset: from a follower's axle forward to its camera point, d [m].
         path: planned path of the formation's leader, shape (N, 2) [m]; N = 0 if there is none.
+        obstacles: x, y and radius of discs that it drives round, where they are at first [m].
+        worn: radius of the disc about each robot that it drives round [m].
     """
 
     camera: CameraModel
     tags: tuple[Tag, ...]
     camera_offset: float
     path: Floats
+    obstacles: tuple[tuple[float, float, float], ...] = ()
+    worn: Mapping[RobotId, float] = field(default_factory=dict)
 
     def color(self, robot_id: RobotId) -> tuple[int, int, int]:
         """Colour of a robot in every view.

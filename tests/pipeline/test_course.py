@@ -19,7 +19,8 @@ GOAL = "goal = { x_m = 1.5, y_m = 0.0, heading_deg = 0.0 }"
 
 def gap(setup: Setup, moments: list[Moment]) -> float:
     """Least distance of a body, taken as its circle, to an obstacle's edge in the run [m]."""
-    (o,) = setup.obstacles
+    assert setup.errand
+    (o,) = setup.errand.obstacles
     around = setup.tags.tags[0].side / 2.0**0.5
     states = [robot.state for moment in moments for robot in moment.truth]
     return min(hypot(s.x - o.x, s.y - o.y) for s in states) - o.radius - around
@@ -39,7 +40,8 @@ def test_the_formation_drives_round_an_obstacle_to_its_goal() -> None:
 
 def test_a_straight_way_would_not_do() -> None:
     setup = make_setup(load_scenario("obstacle"))
-    (o,) = setup.obstacles
+    assert setup.errand
+    (o,) = setup.errand.obstacles
     assert abs(o.y) < o.radius  # it stands on the line from start to goal
     poses = [setup.path.at(0.05 * k).state for k in range(161)]
     assert max(abs(s.y) for s in poses) > 0.3
