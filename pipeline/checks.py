@@ -24,7 +24,8 @@ from pipeline.tag_checks import check_tags
 
 BODY = 0.075  # side of a robot's body [m]
 LONGEST = {Law.SAMPLED_TWISTING: 0.005, Law.SUBOPTIMAL: 0.010}  # periods seen to work [s]
-GRID = 0.02  # of the walk along the plan [s]
+GRID = 0.02  # of the walk along the plan, for speeds and gaps [s]
+LOOKS = 0.1  # of the walk along the plan, for the picture [s]
 Places: TypeAlias = Mapping[RobotId, Pose2D]
 
 
@@ -52,6 +53,29 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         *_seeing(scenario, setup.seeing),
         *check_radios(scenario, scenario.commanded),
         _safety(scenario),
+    )
+
+
+def plan_in_picture(setup: Setup) -> Finding | None:
+    """Whether the camera will see the whole formation all along the plan.
+
+    Args:
+        setup: plan, formation and camera.
+
+    Returns:
+        The finding; None without a plan.
+    """
+    if setup.path is None:
+        return None
+    outside = [_outside(setup, places) for places in _wanted_course(setup, setup.path, LOOKS)]
+    first = next((k * LOOKS for k, corner in enumerate(outside) if corner > 0.0), None)
+    return Finding(
+        "field of view",
+        first is None,
+        f"the plan stays {-max(outside):.0f} px inside the picture"
+        if first is None
+        else f"the plan leaves the picture after {first:.1f} s, by up to {max(outside):.0f} px: "
+        "move or raise the camera",
     )
 
 
@@ -121,15 +145,9 @@ def _by_hand(scenario: Scenario, setup: Setup) -> Iterator[Finding]:
 
 def _plan(scenario: Scenario, setup: Setup, path: Plan) -> Iterator[Finding]:
     """The wanted motion: inside the picture, within the wheels' reach, without contact."""
-    wanted = _wanted_course(setup, path)
-    corner = _farthest_outside(setup, wanted)
-    yield Finding(
-        "field of view",
-        corner <= 0.0,
-        f"the plan stays {-corner:.0f} px inside the picture"
-        if corner <= 0.0
-        else f"the plan leaves the picture by {corner:.0f} px: move or raise the camera",
-    )
+    if inside := plan_in_picture(setup):
+        yield inside
+    wanted = _wanted_course(setup, path, GRID)
     fastest, who = _fastest(setup, wanted)
     limit = scenario.control.speed_limit_mps
     yield Finding(
@@ -146,10 +164,10 @@ def _plan(scenario: Scenario, setup: Setup, path: Plan) -> Iterator[Finding]:
     )
 
 
-def _wanted_course(setup: Setup, path: Plan) -> list[Places]:
-    """Where the plan wants every robot, every GRID seconds of the mission."""
+def _wanted_course(setup: Setup, path: Plan, grid: float) -> list[Places]:
+    """Where the plan wants every robot, every so many seconds of the mission."""
     course: list[Places] = []
-    for t in np.arange(0.0, setup.duration + GRID, GRID).tolist():
+    for t in np.arange(0.0, setup.duration + grid, grid).tolist():
         lead = path.at(t).state.pose
         course.append(_wanted_places(setup, lead, t, course[-1] if course else setup.starts))
     return course
@@ -160,16 +178,15 @@ def _wanted_places(setup: Setup, lead: Pose2D, t: float, before: Places) -> Plac
     return wanted_places(setup.formation, lead, t, before, setup.follower.camera_offset)
 
 
-def _farthest_outside(setup: Setup, wanted: list[Places]) -> float:
-    """By how many pixels a tag leaves the picture; negative: stays inside by as many."""
+def _outside(setup: Setup, places: Places) -> float:
+    """By how many pixels a tag is outside the picture; negative: inside by as many."""
     camera, worst = setup.camera, -inf
-    for places in wanted[::5]:
-        for pose in places.values():
-            pixel, scale = camera.pixel_pose(pose), np.abs(camera.local_affine(pose)).max()
-            half = 0.71 * BODY * float(scale)
-            w, h = camera.size_px
-            inside = min(pixel.x, w - 1 - pixel.x, pixel.y, h - 1 - pixel.y) - half
-            worst = max(worst, -inside)
+    w, h = camera.size_px
+    for pose in places.values():
+        pixel, scale = camera.pixel_pose(pose), np.abs(camera.local_affine(pose)).max()
+        half = 0.71 * BODY * float(scale)
+        inside = min(pixel.x, w - 1 - pixel.x, pixel.y, h - 1 - pixel.y) - half
+        worst = max(worst, -inside)
     return worst
 
 

@@ -15,6 +15,7 @@ from pipeline.accounts import account
 from pipeline.cadence import Cadence
 from pipeline.camera_model import require_floor
 from pipeline.certificate_findings import broken_gains
+from pipeline.checks import plan_in_picture
 from pipeline.cli.output import Output
 from pipeline.config import Scenario
 from pipeline.interruption import interruption
@@ -110,7 +111,7 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
             if interrupted():
                 raise typer.Exit(INTERRUPTED)
         setup = make_setup(scenario)
-        for line in broken_gains(scenario, setup):
+        for line in _warnings(scenario, setup):
             output.say(f"warning: {line}")
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None
@@ -238,6 +239,14 @@ def _scenario(request: Request) -> Scenario:
     if request.command_period is not None:
         changes.append(f"control.command_period_s={request.command_period}")
     return load_scenario(request.scenario, changes)
+
+
+def _warnings(scenario: Scenario, setup: Setup) -> Iterator[str]:
+    """What will not go well; people may try it all the same."""
+    yield from broken_gains(scenario, setup)
+    inside = plan_in_picture(setup)
+    if inside and not inside.holds:
+        yield f"{inside.detail} (robots that are not seen stand, and so do their followers)"
 
 
 def _end(request: Request, scenario: Scenario) -> float | None:

@@ -64,11 +64,13 @@ def _draw_plan(axes: "Axes", setup: Setup, series: Series) -> None:
 
 def _draw_obstacles(axes: "Axes", setup: Setup, series: Series, moments: list[int]) -> None:
     """Obstacles that wear a tag: their ways, and how much room each wants at some moments."""
-    for number, radius in enumerate(setup.worn.values()):
+    for number, (robot, radius) in enumerate(setup.worn.items()):
         places = series.obstacles[:, number]
         axes.plot(*places.T, color=GREY, lw=0.7)
         for x, y in places[moments].tolist():
             axes.plot(*_disc(x, y, radius), color=GREY, lw=0.9)
+        for x, y in places[moments[-1:]].tolist():
+            axes.text(x, y, name_of(robot), color=GREY, ha="center", va="center")
 
 
 def _disc(x: float, y: float, radius: float) -> tuple[Floats, Floats]:

@@ -134,7 +134,7 @@ class Collector:
         start = self._start if self._start is not None else (now[0] if len(now) else 0.0)
         true = _table(self._true, _STATE * len(robots)).reshape(-1, len(robots), _STATE)
         worn = len(self.setup.worn)
-        obstacles = _table(self._obstacles, _STATE * worn).reshape(len(now), worn, _STATE)
+        obstacles = np.array(self._obstacles).reshape(len(now), worn, _STATE)
         frames = _table(self._frames, _FRAME)
         frames[:, 0] -= start
         begun = (now >= start) & (self._start is not None)

@@ -13,6 +13,7 @@ from control.unicycle import advance_pose
 from datasets.recorded import SessionWriter
 from pipeline.certificate_findings import broken_gains, certificate_findings
 from pipeline.certificates import Certificates, make_certificates, start_states
+from pipeline.checks import check_scenario
 from pipeline.cli.check import check
 from pipeline.cli.checking import write_omega
 from pipeline.cli.output import Output
@@ -88,6 +89,23 @@ def test_gains_too_small_for_exact_robots_fail_a_check_and_warn_in_live(
     request = Request("paper", fast=True, duration=0.1, overrides=("control.nu=2",))
     run_live(request, Outputs(), Output(as_json=False))
     assert "warning: gains 3: " in capsys.readouterr().out
+
+
+def test_a_plan_that_leaves_the_picture_fails_a_check_and_warns_in_live(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    narrow = ("camera.field_width_m=1.9",)
+    inside, outside = (
+        next(f for f in check_scenario(load_scenario("paper", how)) if f.topic == "field of view")
+        for how in ((), narrow)
+    )
+    assert inside.holds
+    assert not outside.holds
+    assert "leaves the picture after 3.5 s, by up to 31 px" in outside.detail
+    run_live(Request("paper", fast=True, duration=0.1, overrides=narrow), Outputs(), Output(False))
+    assert f"warning: {outside.detail}" in capsys.readouterr().out
+    run_live(Request("paper", fast=True, duration=0.1), Outputs(), Output(as_json=False))
+    assert "warning" not in capsys.readouterr().out
 
 
 def test_a_pair_without_known_starts_begins_in_its_shape() -> None:
