@@ -105,7 +105,7 @@ class Collector:
         self._clock.extend((moment.tick.t, cycle.t_effective))
         place = cycle.planned and cycle.planned.state
         self._planned.extend((place.x, place.y) if place else (np.nan, np.nan))
-        self._obstacles.extend(_states(cycle.robots, tuple(self.setup.worn)))
+        self._obstacles.extend(_places(cycle.robots, tuple(self.setup.worn)))
         self._true.extend(_states(moment.truth, robots))
         self._believed.extend(_states(cycle.robots, robots))
         sent = {command.robot_id: command.twist for command in cycle.commands}
@@ -133,8 +133,6 @@ class Collector:
         now, ahead = _table(self._clock, 2).T
         start = self._start if self._start is not None else (now[0] if len(now) else 0.0)
         true = _table(self._true, _STATE * len(robots)).reshape(-1, len(robots), _STATE)
-        worn = len(self.setup.worn)
-        obstacles = np.array(self._obstacles).reshape(len(now), worn, _STATE)
         frames = _table(self._frames, _FRAME)
         frames[:, 0] -= start
         begun = (now >= start) & (self._start is not None)
@@ -147,7 +145,7 @@ class Collector:
             times=now - start,
             ahead=ahead - start,
             started=self._start is not None,
-            obstacles=obstacles[..., :2],
+            obstacles=np.array(self._obstacles).reshape(len(now), len(self.setup.worn), 2),
             planned=_table(self._planned, 2),
             true=true,
             believed=_table(self._believed, _STATE * len(robots)).reshape(true.shape),
@@ -198,6 +196,12 @@ def _states(robots: tuple[RobotState, ...], ids: tuple[RobotId, ...]) -> "array[
         s = states.get(robot_id)
         row.extend((s.x, s.y, s.theta, s.v, s.omega) if s else (np.nan,) * _STATE)
     return row
+
+
+def _places(robots: tuple[RobotState, ...], ids: tuple[RobotId, ...]) -> "array[float]":
+    """x and y of some robots, NaN where unknown."""
+    places = {robot.robot_id: (robot.state.x, robot.state.y) for robot in robots}
+    return array("d", (one for robot in ids for one in places.get(robot, (np.nan, np.nan))))
 
 
 def _table(numbers: "array[float]", columns: int) -> Floats:
