@@ -116,6 +116,13 @@ def test_moving_obstacles_are_judged_from_now_on() -> None:
     assert old.clearance(9.0, (Obstacle(past.x, past.y, 0.1),)) < 0.0
 
 
+@given(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(0.0, 9.0), st.floats(-9.0, 9.0))
+def test_an_obstacle_moves_on_as_it_does(vx: float, vy: float, t: float, since: float) -> None:
+    o, here, at = Obstacle(0.3, -0.2, 0.1, vx, vy), np.array([[0.5], [0.1]]), np.array([since])
+    later, same = o.after(t).apart(here, at), o.apart(here, at + t)
+    np.testing.assert_allclose(later, same, atol=1e-9)
+
+
 def test_at_the_goal_the_old_plan_stays_and_another_goal_gets_a_plan() -> None:
     old = planned("crossed")
     for t in (old.law.duration - 1e-4, old.law.duration, old.law.duration + 2.0):
