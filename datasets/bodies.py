@@ -1,5 +1,9 @@
 """Distances between robot bodies: squares of known side, turned as the robots are."""
 
+from collections.abc import Iterable, Sequence
+from itertools import combinations
+from math import hypot, inf, sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,6 +48,29 @@ def pair_gaps(poses: Floats, sides: Floats) -> Floats:
     first, second = pair_indices(len(sides))
     both = np.column_stack((sides[first], sides[second]))
     return square_gaps(poses[..., first, :], poses[..., second, :], both)
+
+
+def least_gap(states: Iterable[Sequence[float]], side: float, below: float = inf) -> float:
+    """Least separation of equal bodies at one moment, where it is less than was known.
+
+    Args:
+        states: of R bodies, x, y, theta and more of each, NaN where unknown [m, m, rad].
+        side: of the square bodies [m].
+        below: the least so far [m].
+
+    Returns:
+        The distance, `below` if none is less; most bodies are too far apart to look closely [m].
+    """
+    reach = below + sqrt(2.0) * side
+    near = [
+        (one[:3], other[:3])
+        for one, other in combinations(states, 2)
+        if hypot(one[0] - other[0], one[1] - other[1]) < reach
+    ]
+    if not near:
+        return below
+    first, second = np.array(near).transpose(1, 0, 2)
+    return min(below, float(square_gaps(first, second, np.full(2, side)).min()))
 
 
 def pair_indices(count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -11,7 +11,6 @@ from control.formation import Pair
 from control.geometry import Pose2D, wrap_angle
 from control.relative import relative_state
 from control.unicycle import UnicycleState, advance_pose
-from datasets.bodies import pair_gaps
 
 Floats = NDArray[np.float64]
 
@@ -195,21 +194,6 @@ def planned_before(planned: UnicycleState, delay: float) -> Pose2D:
         The pose then.
     """
     return advance_pose(planned.pose, planned.twist, -delay)
-
-
-def least_clearance(motions: Motions, side: float) -> float | None:
-    """Least distance between two bodies in the run.
-
-    Args:
-        motions: of the robots.
-        side: of the square bodies [m].
-
-    Returns:
-        The distance; negative if bodies overlapped; None if fewer than two robots are known [m].
-    """
-    gaps = pair_gaps(motions.states[:, :, :3], np.full(len(motions.ids), side))
-    known = gaps[np.isfinite(gaps)]
-    return float(known.min()) if len(known) else None
 
 
 def rms(values: Floats) -> float | None:

@@ -1,6 +1,6 @@
 """How well the robots were seen, against the truth at the moments of capture."""
 
-from collections import Counter
+from collections import Counter, deque
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from control.geometry import wrap_angle
-from datasets.scores import rms
 from datasets.track import TruthTrack
 from vision.camera import CameraModel
 from vision.scene import Detection, Scene
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+States = tuple[tuple[float, ...], ...]
+
+TOGETHER = 16  # frames that are judged at a time
+OLDEST = 2.0  # that a frame may be on its arrival, to be judged well [s]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,56 +50,94 @@ class Sighted:
     frames: int
 
 
-def sighted(scenes: tuple[Scene, ...], ids: tuple[RobotId, ...]) -> tuple[Sighted, ...]:
-    """Count the frames in which each robot was recognised.
+class Sightings:
+    """Judges what was seen while a run goes on: the way before the last frames is forgotten."""
 
-    Args:
-        scenes: one per frame.
-        ids: robots to count.
+    def __init__(self, ids: tuple[RobotId, ...], camera: CameraModel, side: float) -> None:
+        """Begin without a frame.
 
-    Returns:
-        One count per robot, in the given order.
-    """
-    counts = Counter(d.robot_id for scene in scenes for d in scene.detections)
-    return tuple(Sighted(robot, counts[robot]) for robot in ids)
+        Args:
+            ids: of the R robots.
+            camera: who looks.
+            side: of the square tags [m].
+        """
+        self._ids, self._camera, self._side = ids, camera, side
+        self._counts = Counter[RobotId]()
+        self._waiting: list[Scene] = []
+        self._way: deque[tuple[float, States]] = deque()
+        self._inside, self._recalled, self._found, self._false = 0, 0, 0, 0
+        self._off = np.zeros(2)  # squares of distances and turns, of those that were found
+        self.frames = 0
 
+    def take(self, t: float, true: States | None, scene: Scene | None) -> None:
+        """Take note of one cycle.
 
-def vision_score(
-    scenes: tuple[Scene, ...],
-    ids: tuple[RobotId, ...],
-    track: TruthTrack,
-    camera: CameraModel,
-    side: float,
-) -> VisionScore:
-    """Compare what was seen with the truth at the moments of capture.
+        Args:
+            t: its moment [s].
+            true: x, y, theta, v, omega of the R robots then; None where nobody knows.
+            scene: what was seen in its frame, None without one.
+        """
+        if scene is not None:
+            self.frames += 1
+            self._counts.update(d.robot_id for d in scene.detections)
+        if true is None:
+            return
+        if not self._way or t > self._way[-1][0]:  # two ticks may share a moment
+            self._way.append((t, true))
+        if scene is not None:
+            self._waiting.append(scene)
+            if len(self._waiting) == TOGETHER:
+                self._judge()
 
-    Args:
-        scenes: of all frames.
-        ids: of the track's R robots.
-        track: where they were.
-        camera: who looked.
-        side: of the square tags [m].
+    def sighted(self) -> tuple[Sighted, ...]:
+        """Count the frames in which each robot was recognised.
 
-    Returns:
-        The score.
-    """
-    true = track.at(np.array([scene.t_capture for scene in scenes]))
-    inside = wholly_inside(true, camera, side)
-    found = np.zeros(inside.shape, bool)
-    off: list[tuple[float, float]] = []
-    false = 0
-    for frame, scene in enumerate(scenes):
-        for detection in scene.detections:
-            place = ids.index(detection.robot_id) if detection.robot_id in ids else None
-            distance, turn = _misfit(detection, true[frame, place or 0])
-            if place is None or not distance < 0.5 * side:
-                false += 1
-                continue
-            found[frame, place] = True
-            off.append((distance, turn))
-    distances, turns = np.array(off).reshape(-1, 2).T
-    recall = float(found[inside].mean()) if inside.any() else None
-    return VisionScore(recall, false, rms(distances), rms(turns))
+        Returns:
+            One count per robot, in the given order.
+        """
+        return tuple(Sighted(robot, self._counts[robot]) for robot in self._ids)
+
+    def score(self) -> VisionScore | None:
+        """Compare what was seen with the truth at the moments of capture.
+
+        Returns:
+            The score; None without a frame.
+        """
+        if self._waiting:
+            self._judge()
+        if not self.frames:
+            return None
+        recall = self._recalled / self._inside if self._inside else None
+        distance, turn = np.sqrt(self._off / self._found).tolist() if self._found else (None, None)
+        return VisionScore(recall, self._false, distance, turn)
+
+    def _judge(self) -> None:
+        """Compare the frames that wait, and forget what no later one can need."""
+        scenes, self._waiting = self._waiting, []
+        states = np.array([states for _, states in self._way])
+        states[..., 2] = np.unwrap(states[..., 2], axis=0)
+        track = TruthTrack(np.array([t for t, _ in self._way]), states)
+        true = track.at(np.array([scene.t_capture for scene in scenes]))
+        inside = wholly_inside(true, self._camera, self._side)
+        self._inside += int(inside.sum())
+        for frame, scene in enumerate(scenes):
+            for detection in scene.detections:
+                self._compare(detection, true[frame], inside[frame])
+        while self._way[0][0] < self._way[-1][0] - OLDEST:
+            self._way.popleft()
+
+    def _compare(self, detection: Detection, true: Floats, inside: Flags) -> None:
+        if detection.robot_id not in self._ids:
+            self._false += 1
+            return
+        place = self._ids.index(detection.robot_id)
+        distance, turn = _misfit(detection, true[place])
+        if not distance < 0.5 * self._side:
+            self._false += 1
+            return
+        self._found += 1
+        self._recalled += int(inside[place])
+        self._off += distance**2, turn**2
 
 
 def wholly_inside(poses: Floats, camera: CameraModel, side: float) -> Flags:

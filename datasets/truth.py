@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from control.formation import Formation, by_follower
-from control.relative import Vector2
+from datasets.bodies import least_gap
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent
 from datasets.scores import (
     FollowerScore,
@@ -18,17 +19,16 @@ from datasets.scores import (
     follower_errors,
     follower_score,
     leader_score,
-    least_clearance,
     planned_before,
 )
-from datasets.sightings import Sighted, VisionScore, sighted, vision_score
-from datasets.track import TruthTrack
+from datasets.sightings import Sighted, Sightings, VisionScore
+from datasets.thinned import Thinned
 from vision.camera import CameraModel
-from vision.scene import Scene
 
 Floats = NDArray[np.float64]
 
-_UNKNOWN = (np.nan,) * 5
+_CLOCK, _PLANNED, _STATE = 3, 4, 5  # numbers kept of each
+_UNKNOWN = (np.nan,) * _STATE
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +120,11 @@ class RunResult:
 
 
 class Scores:
-    """An observer that keeps what the scores need, and computes them at the end."""
+    """An observer that keeps what the scores need, and computes them at the end.
+
+    Of very long runs it keeps every second cycle, every fourth, and so on; counts, the least
+    clearance and the judgement of the vision mind all of them.
+    """
 
     def __init__(
         self,
@@ -140,15 +144,12 @@ class Scores:
             others: robots that wear a tag and are not of the formation.
         """
         self._robots = (*formation.robots, *others)
-        self._formation, self._offset = formation, camera_offset
-        self._camera, self._side = camera, side
-        self._clock: list[tuple[float, float, float]] = []  # t, t_effective, t_start
-        self._planned: list[tuple[Vector2, Vector2]] = []  # the leader's places now, when effective
-        self._true: list[tuple[tuple[float, ...], ...]] = []
-        self._believed: list[tuple[tuple[float, ...], ...]] = []
-        self._scenes: list[Scene] = []
-        self._latencies: list[tuple[float, float, float]] = []
-        self._ages: list[float] = []  # of the frames on their arrival [s]
+        self._formation, self._offset, self._side = formation, camera_offset, side
+        # t, t_effective, t_start, the leader's planned places now and when effective, then states
+        self._rows = Thinned(_CLOCK + _PLANNED + 2 * _STATE * len(self._robots))
+        self._latencies, self._ages = Thinned(3), Thinned(1)  # ages of frames on arrival [s]
+        self._sightings = Sightings(self._robots, camera, side)
+        self._known, self._clearance = True, np.inf
         self._events: list[SafetyEvent] = []
         self._notes: list[str] = []
         self._commands = 0
@@ -159,21 +160,23 @@ class Scores:
         Args:
             moment: its inputs, outcome, truth and cost.
         """
-        cycle, timing = moment.cycle, moment.timing
+        cycle, timing, t = moment.cycle, moment.timing, moment.tick.t
+        true, believed = self._states(moment.truth), self._states(cycle.robots)
+        known = _UNKNOWN not in true
+        self._known &= known
         start = np.nan if cycle.t_start is None else cycle.t_start
-        self._clock.append((moment.tick.t, cycle.t_effective, start))
-        self._planned.append(_planned(cycle))
-        self._true.append(self._states(moment.truth))
-        self._believed.append(self._states(cycle.robots))
+        states = chain.from_iterable((*true, *believed))
+        self._rows.add((t, cycle.t_effective, start, *_planned(cycle), *states))
+        self._clearance = least_gap(true if known else believed, self._side, self._clearance)
+        self._sightings.take(t, true if known else None, cycle.scene)
         self._commands += len(cycle.commands)
         self._events += cycle.events
         self._notes += cycle.notes
         if cycle.scene is not None:
-            self._scenes.append(cycle.scene)
-            self._latencies.append((timing.vision, timing.step, timing.frame_to_command))
+            self._latencies.add((timing.vision, timing.step, timing.frame_to_command))
             frame = moment.tick.frame
             if frame is not None and frame.t_arrival is not None:
-                self._ages.append(frame.t_arrival - frame.t_capture)
+                self._ages.add((frame.t_arrival - frame.t_capture,))
 
     def close(self) -> None:
         """Release nothing. Safe to call twice."""
@@ -188,25 +191,25 @@ class Scores:
         Returns:
             The result; of true states where they are known in every cycle.
         """
-        motions, known = self._motions()
+        motions, planned = self._motions()
         started = bool(np.isfinite(motions.mission).any())
-        times = motions.times
+        times, ages = motions.times, self._ages.table()[:, 0]
         return RunResult(
             scenario=scenario,
-            frames=len(self._scenes),
+            frames=self._sightings.frames,
             duration_s=float(times[-1] - times[0]) if len(times) else 0.0,
             wall_s=wall,
-            truth=known,
+            truth=self._known and len(times) > 0,
             followers=self._followers(motions),
-            leader=self._leader(motions, known) if started else None,
-            min_clearance_m=least_clearance(motions, self._side),
-            seen=sighted(tuple(self._scenes), self._robots),
-            vision=self._vision(motions) if known else None,
-            latency_ms=_latencies(self._latencies),
+            leader=self._leader(motions, planned) if started else None,
+            min_clearance_m=self._clearance if np.isfinite(self._clearance) else None,
+            seen=self._sightings.sighted(),
+            vision=self._sightings.score() if self._known else None,
+            latency_ms=_latencies(self._latencies.table()),
             commands_sent=self._commands,
             safety_events=tuple(self._events),
             notes=tuple(self._notes),
-            arrival=Arrival(*_quantiles(self._ages)) if self._ages else None,
+            arrival=Arrival(*_quantiles(ages)) if len(ages) else None,
         )
 
     def _states(self, robots: Sequence[RobotState]) -> tuple[tuple[float, ...], ...]:
@@ -217,18 +220,17 @@ class Scores:
             for robot_id in self._robots
         )
 
-    def _motions(self) -> tuple[Motions, bool]:
-        """True motions at the ticks; without truth the believed ones at their effective times."""
-        robots = self._robots
-        now, effective, start = np.array(self._clock).reshape(-1, 3).T
-        true = np.array(self._true).reshape(-1, len(robots), 5)
-        if len(true) and np.isfinite(true).all():
-            return Motions(robots, now, now - start, true), True
-        believed = np.array(self._believed).reshape(true.shape)
-        return Motions(robots, effective, effective - start, believed), False
+    def _motions(self) -> tuple[Motions, Floats]:
+        """True motions at the ticks, without truth the believed ones when effective; the plan."""
+        robots, rows = self._robots, self._rows.table()
+        now, effective, start = rows[:, :_CLOCK].T
+        planned = rows[:, _CLOCK : _CLOCK + _PLANNED].reshape(-1, 2, 2)
+        both = rows[:, _CLOCK + _PLANNED :].reshape(-1, 2, len(robots), _STATE)
+        if self._known:
+            return Motions(robots, now, now - start, both[:, 0]), planned[:, 0]
+        return Motions(robots, effective, effective - start, both[:, 1]), planned[:, 1]
 
-    def _leader(self, motions: Motions, known: bool) -> LeaderScore | None:
-        planned = np.array(self._planned)[:, 0 if known else 1]
+    def _leader(self, motions: Motions, planned: Floats) -> LeaderScore | None:
         if not np.isfinite(planned).any():
             return None
         return leader_score(motions, self._formation.root, planned)
@@ -245,23 +247,14 @@ class Scores:
             for pairs in by_follower(self._formation.pairs).values()
         )
 
-    def _vision(self, motions: Motions) -> VisionScore | None:
-        if not self._scenes:
-            return None
-        fresh = np.diff(motions.times, prepend=-np.inf) > 0.0  # two ticks may share a moment
-        states = motions.states[fresh]
-        states[..., 2] = np.unwrap(states[..., 2], axis=0)
-        track = TruthTrack(motions.times[fresh], states)
-        return vision_score(tuple(self._scenes), motions.ids, track, self._camera, self._side)
 
-
-def _planned(cycle: Cycle) -> tuple[Vector2, Vector2]:
+def _planned(cycle: Cycle) -> tuple[float, float, float, float]:
     """The leader's places at the tick and when its command takes effect; NaN without a plan."""
     if cycle.planned is None:
-        return (np.nan, np.nan), (np.nan, np.nan)
+        return np.nan, np.nan, np.nan, np.nan
     then = cycle.planned.state
     now = planned_before(then, cycle.t_effective - cycle.t)
-    return (now.x, now.y), (then.x, then.y)
+    return now.x, now.y, then.x, then.y
 
 
 def _plain(score: FollowerScore) -> dict[str, Any]:
@@ -270,14 +263,14 @@ def _plain(score: FollowerScore) -> dict[str, Any]:
     return {key: value for key, value in asdict(score).items() if key not in left_out}
 
 
-def _latencies(rows: list[tuple[float, float, float]]) -> Latencies | None:
+def _latencies(rows: Floats) -> Latencies | None:
     """Median and 99th percentile of times given in seconds."""
-    if not rows:
+    if not len(rows):
         return None
-    return Latencies(*(value for column in zip(*rows, strict=True) for value in _quantiles(column)))
+    return Latencies(*(value for column in rows.T for value in _quantiles(column)))
 
 
-def _quantiles(times: Sequence[float]) -> tuple[float, float]:
+def _quantiles(times: Floats) -> tuple[float, float]:
     """Median and 99th percentile [ms] of times in seconds."""
     middle, high = 1e3 * np.percentile(times, (50, 99))
     return float(middle), float(high)
