@@ -40,6 +40,7 @@ class Disturbance:
 
 _FAST = SpeedLimits(1.5, 15.0)
 _CALM = Disturbance()
+_STOP = Twist(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +58,11 @@ class RobotPlant:
         limits: what the wheels can do; commands are clipped to it.
         disturbance: bounds of pi_i.
         carried: the way along which someone carries it, whatever it is told; None: nobody does.
+        timeout: it stops by itself when no command has come for so long; inf: never [s].
 
     Raises:
-        SimulationError: if the lag is negative, the side is not positive or a number not finite.
+        SimulationError: if the lag is negative, side or timeout not positive, or a number not
+            finite.
     """
 
     robot_id: RobotId
@@ -72,14 +75,16 @@ class RobotPlant:
     limits: SpeedLimits = _FAST
     disturbance: Disturbance = _CALM
     carried: CarriedWay | None = None
+    timeout: float = inf
 
     def __post_init__(self) -> None:
         s = self.start
         numbers = (s.x, s.y, s.theta, s.v, s.omega, self.mass_error, self.inertia_error)
-        if not (all(map(isfinite, numbers)) and 0.0 <= self.lag < 1e3 and self.side > 0.0):
+        positive = self.side > 0.0 and self.timeout > 0.0
+        if not (all(map(isfinite, numbers)) and 0.0 <= self.lag < 1e3 and positive):
             raise SimulationError(
                 f"robot {self.robot_id}: start {s}, lag {self.lag} s, side {self.side} m, "
-                f"errors {self.mass_error}, {self.inertia_error}"
+                f"errors {self.mass_error}, {self.inertia_error}, timeout {self.timeout} s"
             )
 
 
@@ -207,6 +212,7 @@ class _Robot:
         self._drive: Twist | None = None
         self._pending: list[tuple[float, int, Twist]] = []
         self._taken = 0
+        self._patience = inf  # when it stops by itself
         self._grid = 1  # number of the next grid point
         self._tones = draw_tones(rng)
         s = plant.start
@@ -222,12 +228,16 @@ class _Robot:
         """Make all legs that begin by t."""
         while True:
             due = self._grid * GRID
-            arrival = self._pending[0][0] if self._pending else inf
+            pending = self._pending[0][0] if self._pending else inf
+            arrival = min(pending, self._patience)
             begin = due if abs(arrival - due) < SLACK else min(arrival, due)
             if begin > t:
                 break
-            if arrival < begin + SLACK:
+            if pending < begin + SLACK:
                 self._drive = self._pending.pop(0)[2]
+                self._patience = begin + self.plant.timeout
+            elif arrival < begin + SLACK:
+                self._drive, self._patience = _STOP, inf
             if begin == due:
                 self._grid += 1
             self._begin_leg(begin, self._legs[-1].at(begin))

@@ -133,6 +133,26 @@ def test_wheels_limit_the_commands() -> None:
     assert only(world).omega == pytest.approx(-4.5, abs=1e-9)
 
 
+@pytest.mark.parametrize("step", [0.0073, 3.0])
+def test_a_robot_that_hears_nothing_stops_by_itself(step: float) -> None:
+    world = World((replace(PLANT, timeout=0.3),))
+    for t in (0.1, 0.2, 0.35):
+        world.command(1, Twist(1.0, 0.0), t)
+    for t in np.arange(step, 0.64, step).tolist():
+        world.advance(t)
+    world.advance(0.65)
+    assert only(world).v == pytest.approx(1.1, abs=1e-2)
+    world.advance(0.75)
+    assert only(world).v == pytest.approx(only(world, 0.65).v * exp(-0.1 / 0.05), rel=1e-9)
+    world.command(1, Twist(0.5, 0.0), 0.9)
+    world.advance(1.15)
+    assert only(world).v == pytest.approx(0.55, abs=1e-2)
+    world.advance(2.0)
+    assert only(world).v < 1e-5
+    with pytest.raises(SimulationError, match="timeout 0"):
+        replace(PLANT, timeout=0.0)
+
+
 def test_without_lag_velocities_jump() -> None:
     world = World((replace(PLANT, lag=0.0),))
     world.command(1, Twist(0.5, 0.0), 0.1)
