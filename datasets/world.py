@@ -15,6 +15,7 @@ from math import inf, isfinite
 import numpy as np
 
 from control.command import RobotId
+from control.geometry import Pose2D
 from control.unicycle import SpeedLimits, Twist, UnicycleState
 from datasets.bodies import pair_gaps
 from datasets.carried import CarriedWay
@@ -138,6 +139,15 @@ class World:
             raise SimulationError(f"robot {robot_id}: command {twist} at {t_arrival} s")
         self._robots[robot_id].take(twist, max(t_arrival, self._now))
 
+    def put_down(self, robot_id: RobotId, pose: Pose2D) -> None:
+        """Let someone take a robot and put it down elsewhere, at a standstill.
+
+        Args:
+            robot_id: the robot.
+            pose: where it stands then, from the world's time on [m, m, rad].
+        """
+        self._robots[robot_id].put_down(self._now, pose)
+
     def advance(self, t: float) -> None:
         """Let time pass.
 
@@ -243,6 +253,10 @@ class _Robot:
             self._begin_leg(begin, self._legs[-1].at(begin))
         while len(self._legs) > 2 and self._legs[1].t < t - MEMORY - GRID:
             self._legs.popleft()
+
+    def put_down(self, t: float, pose: Pose2D) -> None:
+        """Begin afresh where someone has put it; what it was told still holds."""
+        self._begin_leg(t, (pose.x, pose.y, pose.theta, 0.0, 0.0))
 
     def at(self, t: float) -> Motion:
         """Motion at a time the memory reaches."""

@@ -16,7 +16,7 @@ from pipeline.route import renew, wanted_motion
 from pipeline.setup import Setup
 from pipeline.steering import STANDSTILL, Aim, commands_of, relate, steer
 from pipeline.supervisor import DRIVING, supervise
-from pipeline.tracking import Locate, ahead_of, find_robots, look, remember, without_repeats
+from pipeline.tracking import Locate, ahead_of, find_robots, look, remember, without_nonsense
 from pipeline.watching import forget_glimpses, initial_rates, watch
 
 NO_COMMANDS: tuple[Command, ...] = ()
@@ -38,7 +38,7 @@ def step(
         The memory for the next cycle, and the record of this one.
     """
     dt = setup.period if memory.t is None else tick.t - memory.t
-    tick = without_repeats(tick, memory.frame)
+    tick = without_nonsense(tick, memory.frame)
     scene, tracks = look(setup, memory.tracks, memory.light, tick, locate)  # at capture time
     t_effective = tick.t + setup.radio_delay
     tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent

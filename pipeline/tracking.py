@@ -35,6 +35,9 @@ Tracks = Mapping[RobotId, Track]
 GATE = 40.0
 """Squared Mahalanobis distance beyond which a pose is not believed at once; chance: 1e-8."""
 
+EARLY = 0.01
+"""By so much a picture may be dated ahead of the tick: clocks are read one after the other [s]."""
+
 NEAR, NEAR_TURN = 0.03, 0.5
 """A pose as near as this is believed whatever the filter expects: robots get pushed [m, rad]."""
 
@@ -56,19 +59,25 @@ def find_robots(
     return detector.locate(frame, predictions, light)
 
 
-def without_repeats(tick: Tick, before: Frame | None) -> Tick:
-    """Take a picture for none if it is the last one again, bit for bit: the camera hangs.
+def without_nonsense(tick: Tick, before: Frame | None) -> Tick:
+    """Take a picture for none if it tells nothing about now.
+
+    That is the last one again, bit for bit, for then the camera hangs; or one of the future, for
+    then its clock is wrong, and who believed it would drive blind until that time has come.
 
     Args:
         tick: with or without a frame.
         before: the last frame that was looked at, None before the first.
 
     Returns:
-        The tick, without a repeated frame.
+        The tick, without such a frame.
     """
-    if tick.frame is None or before is None or not is_repeated(tick.frame, before):
+    frame = tick.frame
+    if frame is None:
         return tick
-    return replace(tick, frame=None)
+    if frame.t_capture > tick.t + EARLY or (before is not None and is_repeated(frame, before)):
+        return replace(tick, frame=None)
+    return tick
 
 
 def look(

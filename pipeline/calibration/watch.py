@@ -13,7 +13,7 @@ from pipeline.live import Rig
 from pipeline.lookout import Lookout
 from pipeline.memory import Track
 from pipeline.ports import EndOfStream
-from pipeline.tracking import find_robots, look, without_repeats
+from pipeline.tracking import find_robots, look, without_nonsense
 from vision.frame import Frame
 from vision.light import PALETTE_LIGHT, Light
 from vision.scene import Scene
@@ -109,7 +109,7 @@ def look_once(bench: Bench, sight: Sight) -> Sight:
         tick = Tick(now, bench.rig.source.latest(now))
     except EndOfStream as end:
         raise CameraError(f"camera: {end}") from None
-    tick = without_repeats(tick, sight.frame)
+    tick = without_nonsense(tick, sight.frame)
     scene, tracks = look(bench.lookout, sight.tracks, sight.light, tick, find_robots)
     if scene is None or tick.frame is None:
         return replace(sight, t=now, scene=None)

@@ -10,7 +10,7 @@ from pipeline.cameras.outages import Outages
 from pipeline.cameras.report import CameraReport, told
 from pipeline.cameras.sieve import Repeats, Sieve, Verdict
 from pipeline.cameras.tally import Tally
-from pipeline.tracking import without_repeats
+from pipeline.tracking import without_nonsense
 from vision.frame import Frame, as_frame, is_repeated
 
 PICTURES = [np.full((4, 6, 3), level, np.uint8) for level in range(3)]
@@ -76,7 +76,7 @@ def test_what_is_new_is_later_than_all_before_and_looks_so_to_the_step(
         one = frame(PICTURES[number], t, sieve.vouches(stamp))
         if sieve.judge(one, stamp) is NEW:
             assert not kept or one.t_capture > kept[-1].t_capture
-            assert not kept or without_repeats(Tick(t, one), kept[-1]).frame is one
+            assert not kept or without_nonsense(Tick(t, one), kept[-1]).frame is one
             kept.append(one)
     assert bool(kept) == bool(pictures)
 

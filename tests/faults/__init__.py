@@ -1,0 +1,1 @@
+"""Runs in which everything goes wrong at random times, and the promises are watched."""
