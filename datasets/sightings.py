@@ -1,6 +1,5 @@
 """How well the robots were seen, against the truth at the moments of capture."""
 
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,10 +10,13 @@ from control.geometry import wrap_angle
 from datasets.scores import rms
 from datasets.track import TruthTrack
 from vision.camera import CameraModel
-from vision.scene import Detection, Scene
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Places = NDArray[np.intp]
+
+STRANGER = -1
+"""The place of a detection that is none of the robots'."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,56 +49,60 @@ class Sighted:
     frames: int
 
 
-def sighted(scenes: tuple[Scene, ...], ids: tuple[RobotId, ...]) -> tuple[Sighted, ...]:
+@dataclass(frozen=True, slots=True)
+class Sightings:
+    """All that was seen in F frames: N detections.
+
+    Attributes:
+        captures: shape (F,), capture times [s].
+        frames: shape (N,), the frame of each detection.
+        places: shape (N,), whose each is: place among the robots, or STRANGER.
+        poses: shape (N, 3) [m, m, rad].
+    """
+
+    captures: Floats
+    frames: Places
+    places: Places
+    poses: Floats
+
+
+def sighted(seen: Sightings, ids: tuple[RobotId, ...]) -> tuple[Sighted, ...]:
     """Count the frames in which each robot was recognised.
 
     Args:
-        scenes: one per frame.
-        ids: robots to count.
+        seen: in all frames.
+        ids: of the robots, in the order of their places.
 
     Returns:
         One count per robot, in the given order.
     """
-    counts = Counter(d.robot_id for scene in scenes for d in scene.detections)
-    return tuple(Sighted(robot, counts[robot]) for robot in ids)
+    return tuple(Sighted(robot, int((seen.places == n).sum())) for n, robot in enumerate(ids))
 
 
 def vision_score(
-    scenes: tuple[Scene, ...],
-    ids: tuple[RobotId, ...],
-    track: TruthTrack,
-    camera: CameraModel,
-    side: float,
+    seen: Sightings, track: TruthTrack, camera: CameraModel, side: float
 ) -> VisionScore:
     """Compare what was seen with the truth at the moments of capture.
 
     Args:
-        scenes: of all frames.
-        ids: of the track's R robots.
-        track: where they were.
+        seen: in all frames.
+        track: where the R robots were.
         camera: who looked.
         side: of the square tags [m].
 
     Returns:
         The score.
     """
-    true = track.at(np.array([scene.t_capture for scene in scenes]))
+    true = track.at(seen.captures)
     inside = wholly_inside(true, camera, side)
+    off = seen.poses - true[seen.frames, seen.places]
+    distances = np.hypot(off[:, 0], off[:, 1])
+    right = (seen.places != STRANGER) & (distances < 0.5 * side)
     found = np.zeros(inside.shape, bool)
-    off: list[tuple[float, float]] = []
-    false = 0
-    for frame, scene in enumerate(scenes):
-        for detection in scene.detections:
-            place = ids.index(detection.robot_id) if detection.robot_id in ids else None
-            distance, turn = _misfit(detection, true[frame, place or 0])
-            if place is None or not distance < 0.5 * side:
-                false += 1
-                continue
-            found[frame, place] = True
-            off.append((distance, turn))
-    distances, turns = np.array(off).reshape(-1, 2).T
+    found[seen.frames[right], seen.places[right]] = True
+    turns = np.array([wrap_angle(turn) for turn in off[right, 2].tolist()])
     recall = float(found[inside].mean()) if inside.any() else None
-    return VisionScore(recall, false, rms(distances), rms(turns))
+    return VisionScore(recall, int((~right).sum()), rms(distances[right]), rms(turns))
 
 
 def wholly_inside(poses: Floats, camera: CameraModel, side: float) -> Flags:
@@ -120,10 +126,3 @@ def wholly_inside(poses: Floats, camera: CameraModel, side: float) -> Flags:
     inside = (pixels > -0.5) & (pixels < np.array(camera.size_px) - 0.5)
     whole: Flags = np.asarray(inside.all(axis=(-2, -1)))
     return whole
-
-
-def _misfit(detection: Detection, true: Floats) -> tuple[float, float]:
-    """Distance [m] and turn [rad] from the truth to what was seen."""
-    pose = detection.pose
-    distance = float(np.hypot(pose.x - true[0], pose.y - true[1]))
-    return distance, wrap_angle(pose.theta - float(true[2]))

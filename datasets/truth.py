@@ -1,6 +1,6 @@
 """Truth beside estimate: an observer that scores a run."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.formation import Formation, by_follower
-from control.relative import Vector2
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent
+from datasets.rows import Rows
 from datasets.scores import (
     FollowerScore,
     LeaderScore,
@@ -20,7 +20,7 @@ from datasets.scores import (
     least_clearance,
     planned_before,
 )
-from datasets.sightings import Sighted, VisionScore, sighted, vision_score
+from datasets.sightings import STRANGER, Sighted, Sightings, VisionScore, sighted, vision_score
 from datasets.track import TruthTrack
 from vision.camera import CameraModel
 from vision.scene import Scene
@@ -138,13 +138,16 @@ class Scores:
         """
         self._formation, self._offset = formation, camera_offset
         self._camera, self._side = camera, side
-        self._clock: list[tuple[float, float, float]] = []  # t, t_effective, t_start
-        self._planned: list[tuple[Vector2, Vector2]] = []  # the leader's places now, when effective
-        self._true: list[tuple[tuple[float, ...], ...]] = []
-        self._believed: list[tuple[tuple[float, ...], ...]] = []
-        self._scenes: list[Scene] = []
-        self._latencies: list[tuple[float, float, float]] = []
-        self._ages: list[float] = []  # of the frames on their arrival [s]
+        count = len(formation.robots)
+        self._places = {robot: n for n, robot in enumerate(formation.robots)}
+        self._clock = Rows(3)  # t, t_effective, t_start
+        self._planned = Rows(2, 2)  # the leader's places now, when effective
+        self._true, self._believed = Rows(count, 5), Rows(count, 5)
+        self._known = True  # whether the truth was known in every cycle
+        self._frames, self._captures = 0, Rows()
+        self._seen = Rows(5)  # frame, place, x, y, theta
+        self._latencies = Rows(3)
+        self._ages = Rows()  # of the frames on their arrival [s]
         self._events: list[SafetyEvent] = []
         self._notes: list[str] = []
         self._commands = 0
@@ -159,17 +162,19 @@ class Scores:
         start = np.nan if cycle.t_start is None else cycle.t_start
         self._clock.append((moment.tick.t, cycle.t_effective, start))
         self._planned.append(_planned(cycle))
-        self._true.append(self._states(moment.truth))
         self._believed.append(self._states(cycle.robots))
+        self._known = self._known and {r.robot_id for r in moment.truth} >= self._places.keys()
+        if self._known:
+            self._true.append(self._states(moment.truth))
         self._commands += len(cycle.commands)
         self._events += cycle.events
         self._notes += cycle.notes
         if cycle.scene is not None:
-            self._scenes.append(cycle.scene)
+            self._look(cycle.scene)
             self._latencies.append((timing.vision, timing.step, timing.frame_to_command))
             frame = moment.tick.frame
             if frame is not None and frame.t_arrival is not None:
-                self._ages.append(frame.t_arrival - frame.t_capture)
+                self._ages.append((frame.t_arrival - frame.t_capture,))
 
     def close(self) -> None:
         """Release nothing. Safe to call twice."""
@@ -186,45 +191,55 @@ class Scores:
         """
         motions, known = self._motions()
         started = bool(np.isfinite(motions.mission).any())
-        times = motions.times
+        times, ages = motions.times, self._ages.table()
         return RunResult(
             scenario=scenario,
-            frames=len(self._scenes),
+            frames=self._frames,
             duration_s=float(times[-1] - times[0]) if len(times) else 0.0,
             wall_s=wall,
             truth=known,
             followers=self._followers(motions),
             leader=self._leader(motions, known) if started else None,
             min_clearance_m=least_clearance(motions, self._side),
-            seen=sighted(tuple(self._scenes), self._formation.robots),
+            seen=sighted(self._sightings(), self._formation.robots),
             vision=self._vision(motions) if known else None,
-            latency_ms=_latencies(self._latencies),
+            latency_ms=_latencies(self._latencies.table()),
             commands_sent=self._commands,
             safety_events=tuple(self._events),
             notes=tuple(self._notes),
-            arrival=Arrival(*_quantiles(self._ages)) if self._ages else None,
+            arrival=Arrival(*_quantiles(ages)) if len(ages) else None,
         )
 
-    def _states(self, robots: Sequence[RobotState]) -> tuple[tuple[float, ...], ...]:
+    def _look(self, scene: Scene) -> None:
+        self._captures.append((scene.t_capture,))
+        for detection in scene.detections:
+            place, pose = self._places.get(detection.robot_id, STRANGER), detection.pose
+            self._seen.append((self._frames, place, pose.x, pose.y, pose.theta))
+        self._frames += 1
+
+    def _sightings(self) -> Sightings:
+        seen = self._seen.table()
+        frames, places = seen[:, :2].astype(np.intp).T
+        return Sightings(self._captures.table(), frames, places, seen[:, 2:])
+
+    def _states(self, robots: Sequence[RobotState]) -> Iterator[float]:
         """x, y, theta, v, omega of every robot of the formation, NaN where unknown."""
         states = {robot.robot_id: robot.state for robot in robots}
-        return tuple(
-            (s.x, s.y, s.theta, s.v, s.omega) if (s := states.get(robot_id)) else _UNKNOWN
-            for robot_id in self._formation.robots
-        )
+        for robot_id in self._places:
+            s = states.get(robot_id)
+            yield from (s.x, s.y, s.theta, s.v, s.omega) if s else _UNKNOWN
 
     def _motions(self) -> tuple[Motions, bool]:
         """True motions at the ticks; without truth the believed ones at their effective times."""
         robots = self._formation.robots
-        now, effective, start = np.array(self._clock).reshape(-1, 3).T
-        true = np.array(self._true).reshape(-1, len(robots), 5)
-        if len(true) and np.isfinite(true).all():
+        now, effective, start = self._clock.table().T
+        true = self._true.table()
+        if self._known and len(true) and np.isfinite(true).all():
             return Motions(robots, now, now - start, true), True
-        believed = np.array(self._believed).reshape(true.shape)
-        return Motions(robots, effective, effective - start, believed), False
+        return Motions(robots, effective, effective - start, self._believed.table()), False
 
     def _leader(self, motions: Motions, known: bool) -> LeaderScore | None:
-        planned = np.array(self._planned)[:, 0 if known else 1]
+        planned = self._planned.table()[:, 0 if known else 1]
         if not np.isfinite(planned).any():
             return None
         return leader_score(motions, self._formation.root, planned)
@@ -242,22 +257,22 @@ class Scores:
         )
 
     def _vision(self, motions: Motions) -> VisionScore | None:
-        if not self._scenes:
+        if not self._frames:
             return None
         fresh = np.diff(motions.times, prepend=-np.inf) > 0.0  # two ticks may share a moment
         states = motions.states[fresh]
         states[..., 2] = np.unwrap(states[..., 2], axis=0)
         track = TruthTrack(motions.times[fresh], states)
-        return vision_score(tuple(self._scenes), motions.ids, track, self._camera, self._side)
+        return vision_score(self._sightings(), track, self._camera, self._side)
 
 
-def _planned(cycle: Cycle) -> tuple[Vector2, Vector2]:
+def _planned(cycle: Cycle) -> tuple[float, float, float, float]:
     """The leader's places at the tick and when its command takes effect; NaN without a plan."""
     if cycle.planned is None:
-        return (np.nan, np.nan), (np.nan, np.nan)
+        return np.nan, np.nan, np.nan, np.nan
     then = cycle.planned.state
     now = planned_before(then, cycle.t_effective - cycle.t)
-    return (now.x, now.y), (then.x, then.y)
+    return now.x, now.y, then.x, then.y
 
 
 def _plain(score: FollowerScore) -> dict[str, Any]:
@@ -266,14 +281,14 @@ def _plain(score: FollowerScore) -> dict[str, Any]:
     return {key: value for key, value in asdict(score).items() if key not in left_out}
 
 
-def _latencies(rows: list[tuple[float, float, float]]) -> Latencies | None:
+def _latencies(rows: Floats) -> Latencies | None:
     """Median and 99th percentile of times given in seconds."""
-    if not rows:
+    if not len(rows):
         return None
-    return Latencies(*(value for column in zip(*rows, strict=True) for value in _quantiles(column)))
+    return Latencies(*(value for column in rows.T for value in _quantiles(column)))
 
 
-def _quantiles(times: Sequence[float]) -> tuple[float, float]:
+def _quantiles(times: Floats) -> tuple[float, float]:
     """Median and 99th percentile [ms] of times in seconds."""
     middle, high = 1e3 * np.percentile(times, (50, 99))
     return float(middle), float(high)

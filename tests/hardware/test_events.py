@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.hardware.driven import Driven, Episode, Way, driven, episodes, moves
+from tests.hardware.driven import Driven, Episode, Way, episodes, held, moves
 from tests.hardware.ring import Truth
 from tests.hardware.wall_clock import deluded
 
@@ -68,62 +68,78 @@ def test_lost_robots_and_links_stop_whom_they_must_and_nobody_else(tmp_path: Pat
         assert run.process.poll() is None
         run.end(signal.SIGINT)
 
-    truth = driven(tmp_path, _course, Way(CHAIN))
-    all_ = told(truth)
-    for order in ("cover 3", "take 3"):
-        leader, follower, lost = (of(all_, order)[robot] for robot in (1, 2, 3))
-        drove(leader)
-        for one in (lost, follower):
+    def _check(truth: Truth) -> None:
+        all_ = told(truth)
+        for order in ("cover 3", "take 3"):
+            check_lost_robot(of(all_, order))
+        greetings = truth["robots"][2]["greetings"]
+        for order, notice in (("close 3", 0.0), ("block 3", WRITING)):
+            check_lost_link(of(all_, order), notice, greetings)
+        for one in of(all_, "cover 1").values():
             stood(one, STOP_AFTER)
             assert one.again < SLACK, one
-    for order, notice in (("close 3", 0.0), ("block 3", WRITING)):
-        leader, follower, lost = (of(all_, order)[robot] for robot in (1, 2, 3))
-        drove(leader)
-        stood(follower, notice)
-        assert lost.told < SLACK, lost
-        assert lost.stood < OWN_TIMEOUT + BRAKING + SLACK, lost  # by itself
-        assert lost.again < RECOVERS, lost
-        robot = next(robot for robot in truth["robots"] if robot["id"] == 3)
-        greeted = [t for t in robot["greetings"] if t >= lost.end]
-        assert greeted
-        assert lost.end + lost.again > greeted[0]  # nothing that had waited in the port was said
-    for one in of(all_, "cover 1").values():
+        assert [robot["timeouts"] for robot in truth["robots"]] == [0, 0, 2]
+
+    held(tmp_path, _course, _check, Way(CHAIN))
+
+
+def check_lost_robot(by_robot: dict[int, Episode]) -> None:
+    """Robot 3 was not seen."""
+    drove(by_robot[1])
+    for one in (by_robot[3], by_robot[2]):
         stood(one, STOP_AFTER)
         assert one.again < SLACK, one
-    assert [robot["timeouts"] for robot in truth["robots"]] == [0, 0, 2]
+
+
+def check_lost_link(by_robot: dict[int, Episode], notice: float, greetings: list[float]) -> None:
+    """Robot 3 was not reached."""
+    lost = by_robot[3]
+    drove(by_robot[1])
+    stood(by_robot[2], notice)
+    assert lost.told < SLACK, lost
+    assert lost.stood < OWN_TIMEOUT + BRAKING + SLACK, lost  # by itself
+    assert lost.again < RECOVERS, lost
+    greeted = min(t for t in greetings if t >= lost.end)
+    assert lost.end + lost.again > greeted  # nothing that had waited in the port was said
 
 
 def test_a_camera_that_freezes_or_goes_stops_all_until_it_is_good_again(tmp_path: Path) -> None:
-    def _course(run: Driven) -> None:
-        for order in ("freeze", "thaw", "unplug", "plug"):
-            run.suffer(order, 3.5 if order == "plug" else 2.0 if order == "thaw" else LASTS)
-        said = run.end(signal.SIGINT)
-        assert said.count("running -> holding (no frame for 0.2 s") == 2
-        assert "it is opened again" in said
+    lasts = {"freeze": LASTS, "thaw": 2.0, "unplug": LASTS, "plug": 3.5}
+    said = list[str]()
 
-    truth = driven(tmp_path, _course, Way(CIRCLE))
-    for one in told(truth):
-        stood(one, SILENT)
-        assert one.again > GOOD - SLACK, one
-        assert one.again < (GOOD + SLACK if one.order == "freeze" else 3.5), one
-    assert [robot["timeouts"] for robot in truth["robots"]] == [0, 0, 0]  # zeros were sent
+    def _course(run: Driven) -> None:
+        for order, seconds in lasts.items():
+            run.suffer(order, seconds)
+        said.append(run.end(signal.SIGINT))
+
+    def _check(truth: Truth) -> None:
+        assert said[-1].count("running -> holding (no frame for 0.2 s") == 2
+        assert "it is opened again" in said[-1]
+        for one in told(truth):
+            stood(one, SILENT)
+            assert one.again > GOOD - SLACK, one
+            assert one.again < (GOOD + SLACK if one.order == "freeze" else 3.5), one
+        assert [robot["timeouts"] for robot in truth["robots"]] == [0, 0, 0]  # zeros were sent
+
+    held(tmp_path, _course, _check, Way(CIRCLE))
 
 
 def test_clocks_that_are_set_change_nothing(tmp_path: Path) -> None:
     """Of the machine, every second by hours, and of the camera, which restarts."""
+    way = Way((*CIRCLE, "camera.latency_s=0.036"), "udp", environment=deluded(tmp_path))
 
     def _course(run: Driven) -> None:
         for order in ("jump 60", "jump 0"):
             run.suffer(order, SET + 0.1)
         run.end(signal.SIGINT)
 
-    udp = tuple(change for change in CIRCLE if "latency" not in change)
-    way = Way((*udp, "camera.latency_s=0.036"), "udp", environment=deluded(tmp_path))
-    truth = driven(tmp_path, _course, way)
-    begin = told(truth)[0].begin
-    for robot in truth["robots"]:
-        moved = [t for t in moves(robot) if begin - SLACK < t < begin + 2 * SET]
-        assert max(b - a for a, b in pairwise(moved)) < SLACK
-        assert moved[-1] > begin + 2 * SET - SLACK
+    def _check(truth: Truth) -> None:
+        begin = told(truth)[0].begin
+        for robot in truth["robots"]:
+            moved = [t for t in moves(robot) if begin - SLACK < t < begin + 2 * SET]
+            assert max(b - a for a, b in pairwise(moved)) < SLACK
+            assert moved[-1] > begin + 2 * SET - SLACK
+
+    held(tmp_path, _course, _check, way)
     if not way.environment:
         pytest.skip("without a C compiler the machine's clock was left alone")
