@@ -1,4 +1,4 @@
-"""What was dropped, held back or lost in a run: everything is counted, and told at the end."""
+"""What was dropped or held back in a run: everything is counted, and told at the end."""
 
 from collections.abc import Iterator
 from typing import Protocol, runtime_checkable
@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 from pipeline.cameras.report import Reporting, told
 from pipeline.live import Rig
 from pipeline.ports import CommandSink
-from pipeline.radios.report import SIMULATED, RobotReport
+from pipeline.radios.report import RobotReport
 from pipeline.radios.screen import Screen
 from pipeline.rigs import Tee
 
@@ -52,7 +52,7 @@ class Noting(Protocol):
 
 
 def account(rig: Rig) -> tuple[str, ...]:
-    """Say what the parts of a rig have dropped or held back, and how its links did.
+    """Say what the parts of a rig have dropped or held back; `pipeline.links` tells of links.
 
     Args:
         rig: after the run.
@@ -85,36 +85,9 @@ def _lines(rig: Rig) -> Iterator[str]:
             yield f"radio: {held.stale} stale and {held.refused} non-finite commands were not sent"
         if isinstance(sink, Noting):
             yield from sink.notes
-    yield from _links(link_reports(rig.sink))
     for observer in rig.observers:
         if isinstance(observer, Dropping) and observer.dropped:
             what = type(observer).__name__
             yield f"{what}: {observer.dropped} cycles were dropped because it was behind"
         if isinstance(observer, Noting):
             yield from observer.notes
-
-
-def _links(reports: tuple[RobotReport, ...]) -> Iterator[str]:
-    """A line per link; none for simulated ones that lost and held back nothing."""
-    for report in reports:
-        c = report.counts
-        if report.place != SIMULATED or c.replaced or c.stale or c.lost or c.doubled:
-            yield f"robot {report.robot_id} on {report.place}: " + ", ".join(_parts(report))
-
-
-def _parts(report: RobotReport) -> Iterator[str]:
-    c, trip = report.counts, report.round_trip
-    yield f"{c.sent} messages sent, {c.replaced} overtaken by newer ones, {c.stale} stale"
-    yield f"{c.failures} failures"
-    yield f"{report.garbage} bytes of garbage"
-    told = (
-        (c.lost, "lost"),
-        (c.doubled, "arrived twice"),
-        (c.silences, "stops because no command came"),
-        (report.foreign, "replies of another robot"),
-    )
-    yield from (f"{count} {what}" for count, what in told if count)
-    if trip is not None and trip.p50 is not None and trip.longest is not None:
-        yield f"round trip {1e3 * trip.p50:.1f} ms (p50), {1e3 * trip.longest:.1f} ms (max)"
-    if trip is not None and trip.loss is not None:
-        yield f"{100.0 * trip.loss:.1f} % of {trip.asked} questions unanswered"

@@ -1,19 +1,33 @@
-"""How a run kept its time: frames, loop and latency, in a table that a person can act on."""
+"""How a run kept its time: frames, loop, latency and links, in tables a person can act on."""
 
 from array import array
+from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from control.command import RobotId
 from datasets.cycle import Moment
+from pipeline.links import LinkRow, link_advice, link_rows
+from pipeline.radios.report import RobotReport
 
 Row = tuple[str, float, float, float]
 
 SLOW = 1.1  # times the period asked for from which frames come too slowly
 GAP = 1.5  # times the period from which a frame is missing
 LATE = 0.5  # of the command period from which a loop is late
+
+
+def no_links() -> tuple[RobotReport, ...]:
+    """The links of a run without radio.
+
+    Returns:
+        Nothing.
+    """
+    return ()
 
 
 def _numbers() -> "array[float]":
@@ -28,16 +42,21 @@ class Cadence:
         fps: that were asked of the camera [1/s].
         period: between two ticks [s].
         say: takes a line of a report that was asked for during the run.
+        reports: asks the links how they are doing.
     """
 
     fps: float
     period: float
     say: Callable[[str], None]
+    reports: Callable[[], tuple[RobotReport, ...]] = no_links
     _captures: "array[float]" = field(default_factory=_numbers)
     _arrivals: "array[float]" = field(default_factory=_numbers)
     _ages: "array[float]" = field(default_factory=_numbers)
     _work: "array[float]" = field(default_factory=_numbers)
     _late: "array[float]" = field(default_factory=_numbers)
+    _asked: Counter[RobotId] = field(default_factory=Counter)
+    _driven: float = 0.0  # how long commands came [s]
+    _t_driven: float | None = None  # when one came last, if it was in the last cycle [s]
 
     def observe(self, moment: Moment) -> None:
         """Take note of one cycle.
@@ -53,12 +72,34 @@ class Cadence:
             self._work.append(moment.timing.frame_to_command)
             if frame.t_arrival is not None:
                 self._arrivals.append(frame.t_arrival - frame.t_capture)
+        self._count_commands(moment)
         if moment.tick.orders.report:
             for line in self.lines():
                 self.say(line)
 
     def close(self) -> None:
         """Release nothing. Safe to call twice."""
+
+    def to_json(self, timed: bool) -> dict[str, Any]:
+        """The tables for other programs.
+
+        Args:
+            timed: whether the run kept time at all.
+
+        Returns:
+            JSON-able rows of "cadence", None if it did not, and of "links".
+        """
+        names = ("what", "median_ms", "p99_ms", "most_ms")
+        rows = [dict(zip(names, row, strict=True)) for row in self.rows()] if timed else None
+        return {"cadence": rows, "links": [row.to_json() for row in self.links()]}
+
+    def links(self) -> tuple[LinkRow, ...]:
+        """How the links did.
+
+        Returns:
+            A row per robot and link that has something to tell.
+        """
+        return link_rows(self.reports(), self._asked, self._driven)
 
     def rows(self) -> tuple[Row, ...]:
         """What was measured.
@@ -87,14 +128,24 @@ class Cadence:
         """The report as plain lines.
 
         Yields:
-            One for each row, then the advice.
+            One for each row and link, then the advice.
         """
         for name, middle, high, most in self.rows():
             yield f"{name}: median {middle:.2f} ms, 99 % {high:.2f} ms, most {most:.2f} ms"
+        for row in self.links():
+            yield f"robot {row.robot_id} on {row.place}: {_rates(row)}"
         yield from self.advice()
+        yield from link_advice(self.links())
+
+    def _count_commands(self, moment: Moment) -> None:
+        commands, t = moment.cycle.commands, moment.tick.t
+        self._asked.update(command.robot_id for command in commands)
+        if commands and self._t_driven is not None:
+            self._driven += t - self._t_driven
+        self._t_driven = t if commands else None
 
     def _advice(self) -> Iterator[str]:
-        between, wanted = np.diff(_array(self._captures)), 1.0 / self.fps
+        between, wanted = np.diff(_array(self._captures)), max(1.0 / self.fps, self.period)
         if len(between) and (usual := float(np.median(between))) > SLOW * wanted:
             yield (
                 f"the camera delivers {1.0 / usual:.1f} of {self.fps:g} frames/s: its exposure is "
@@ -120,6 +171,12 @@ class Cadence:
 
 def _array(numbers: "array[float]") -> NDArray[np.float64]:
     return np.array(numbers, dtype=np.float64)
+
+
+def _rates(row: LinkRow) -> str:
+    asked, carried, trip = row.asked_per_s, row.carried_per_s, row.round_trip_p50_s
+    rate = "no commands" if asked is None else f"{carried:.1f} of {asked:.1f} commands/s carried"
+    return rate if trip is None else f"{rate}, round trip {1e3 * trip:.1f} ms"
 
 
 def _row(name: str, values: NDArray[np.float64]) -> Row:

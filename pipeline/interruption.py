@@ -1,11 +1,15 @@
-"""Ctrl-C, SIGTERM and a closed terminal as a question the loop asks, so that robots are stopped."""
+"""Signals as questions the loop asks: Ctrl-C, SIGTERM and a closed terminal; orders by others.
+
+It imports nothing heavy: who may be stopped must be so from the first moment.
+"""
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
 
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")  # not all of them everywhere
+HALT, ARM = "SIGUSR1", "SIGUSR2"
 
 
 @contextmanager
@@ -17,23 +21,32 @@ def interruption() -> Iterator[Callable[[], bool]]:
     Yields:
         A function that tells whether one has come.
     """
-    came: list[int] = []
+    hangup = getattr(signal, "SIGHUP", None)
+    kept = hangup is not None and signal.getsignal(hangup) is signal.SIG_IGN
+    with noted([name for name in NAMES if name != "SIGHUP" or not kept]) as came:
+        yield lambda: bool(came)
+
+
+@contextmanager
+def noted(names: Sequence[str]) -> Iterator[list[str]]:
+    """Take signals over for a while, so that they do nothing but be noted.
+
+    Args:
+        names: of the signals; those that this system has not are left out.
+
+    Yields:
+        Names of those that have come, in their order; whoever reads them takes them out.
+    """
+    came: list[str] = []
 
     def _note(number: int, frame: FrameType | None) -> None:
         del frame
-        came.append(number)
+        came.append(signal.Signals(number).name)
 
-    before = {number: signal.signal(number, _note) for number in _taken()}
+    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    before = {number: signal.signal(number, _note) for number in numbers}
     try:
-        yield lambda: bool(came)
+        yield came
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _taken() -> Iterator[int]:
-    for name in NAMES:
-        number = getattr(signal, name, None)
-        kept = name == "SIGHUP" and signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-        if number is not None and not kept:
-            yield number

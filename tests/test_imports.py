@@ -13,6 +13,8 @@ BANNED = {
     "vision": IMPURE | {"os", "pathlib", "serial", "rerun", "mcap", "av", "pydantic"},
     "datasets": {"serial", "rerun", "socket", "pydantic", "typer"},
 }
+UNSETTABLE = {"monotonic", "perf_counter", "sleep"}  # what control may know of time
+TELLS_THE_TIME = {"pipeline/publishers/ssl_vision.py"}  # SSL-Vision's times are since 1970
 ALLOWED = {"vision/compiled.py": {"pathlib"}}  # where the compiler keeps its machine code
 FILES = [path for floor in FLOORS for path in sorted((ROOT / floor).rglob("*.py"))]
 
@@ -48,3 +50,22 @@ def test_only_recorded_files_know_the_file_formats() -> None:
     for path in FILES:
         if path.relative_to(ROOT).parts[0] == "pipeline":
             assert "mcap" not in imported_modules(ast.parse(path.read_text())), path
+
+
+def test_nothing_reads_a_clock_that_can_be_set_but_to_tell_other_programs() -> None:
+    for path in FILES:
+        tree = ast.parse(path.read_text())
+        read = names_of_time(tree) - UNSETTABLE
+        assert not read or path.relative_to(ROOT).as_posix() in TELLS_THE_TIME, (path, read)
+        assert "datetime" not in imported_modules(tree), path
+
+
+def names_of_time(tree: ast.AST) -> set[str]:
+    """What is taken from the module `time`, by either kind of import."""
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module == "time":
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            found |= {node.attr} if node.value.id == "time" else set()
+    return found

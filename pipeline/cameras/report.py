@@ -45,7 +45,7 @@ class Reporting(Protocol):
 
 
 def told(report: CameraReport) -> Iterator[str]:
-    """Say what went otherwise than wished.
+    """Say what went otherwise than wished; the rate is told by `pipeline.cadence`.
 
     Args:
         report: of a camera.
@@ -61,8 +61,6 @@ def told(report: CameraReport) -> Iterator[str]:
         yield f"camera: {report.wrong_size} frames of another size were dropped"
     if report.reopenings:
         yield f"camera: it was lost and came back {report.reopenings} times"
-    if is_slow(report.fps, report.asked_fps):
-        yield f"camera: {report.fps:.1f} frames/s came, {report.asked_fps:g} were asked for"
 
 
 def is_slow(fps: float | None, asked: float | None) -> bool:

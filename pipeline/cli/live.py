@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from pipeline.cli import options
+from pipeline.interruption import ARM, HALT, noted
 
 
 def live(
@@ -38,10 +39,13 @@ def live(
     emergency stop, r arms again, c tells how the loop keeps its time; SIGUSR1 and SIGUSR2 stop and
     arm from elsewhere.
     """
-    from pipeline.cli.output import Output  # heavy rooms are entered only when needed
-    from pipeline.cli.running import Outputs, Request, run_live
+    with noted((HALT, ARM)) as came:
+        from pipeline.cli.output import Output  # heavy rooms are entered only when needed
+        from pipeline.cli.running import Outputs, Request, run_live
+        from pipeline.operators.signals import Signals
 
-    held = ("safety.hold=true",) if hold else ()
-    changes = (*(overrides or ()), *held)
-    request = Request(scenario, camera, radio, duration, fast, seed, command_period, changes)
-    run_live(request, Outputs(record, view, report, trajectory, publish), Output(json))
+        held = ("safety.hold=true",) if hold else ()
+        changes = (*(overrides or ()), *held)
+        request = Request(scenario, camera, radio, duration, fast, seed, command_period, changes)
+        outputs = Outputs(record, view, report, trajectory, publish)
+        run_live(request, outputs, Output(json), Signals(came))

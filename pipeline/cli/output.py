@@ -11,6 +11,7 @@ from datasets.sightings import VisionScore
 from datasets.truth import Arrival, Latencies, RunResult
 from pipeline.cadence import Cadence
 from pipeline.finding import Finding
+from pipeline.links import LinkRow, link_advice
 
 
 class Output:
@@ -54,7 +55,7 @@ class Output:
                 self.table(title, header, rows)
 
     def cadence(self, cadence: Cadence) -> None:
-        """Print how a run kept its time; with JSON only what is wrong is told.
+        """Print how a run kept its time; with JSON, which has the figures, only what is wrong.
 
         Args:
             cadence: after the run.
@@ -65,6 +66,17 @@ class Output:
             ]
             self.table("Cadence", ("what", "median ms", "99 % ms", "most ms"), rows)
         for line in cadence.advice():
+            self.say(line)
+
+    def links(self, links: Sequence[LinkRow]) -> None:
+        """Print how the links of a run did; with JSON, as `cadence`.
+
+        Args:
+            links: those that have something to tell.
+        """
+        if links and not self.as_json:
+            self.table("Links", LINKS, map(_link, links))
+        for line in link_advice(links):
             self.say(line)
 
     def findings(self, scenario: str, findings: Sequence[Finding]) -> None:
@@ -190,6 +202,21 @@ def _run(result: RunResult) -> Rows:
     rows += [(f"frames that show robot {s.robot_id}", str(s.frames)) for s in result.seen]
     rows += [(f"  {e.t:.2f} s {e.kind}", _event(e)) for e in result.safety_events[:20]]
     return rows + [("note", note) for note in result.notes]
+
+
+LINKS = (
+    "robot", "on", "asked 1/s", "carried 1/s", "overtaken", "stale", "lost", "twice", "failures",
+    "round trip ms", "most ms", "unanswered %",
+)  # fmt: skip
+
+
+def _link(row: LinkRow) -> Sequence[str]:
+    counts = (row.overtaken, row.stale, row.lost, row.doubled, row.failures)
+    trip = (row.round_trip_p50_s, row.round_trip_max_s)
+    return (
+        str(row.robot_id), row.place, _number(row.asked_per_s), _number(row.carried_per_s),
+        *map(str, counts), *(_number(value, 1e3) for value in trip), _number(row.unanswered, 100.0),
+    )  # fmt: skip
 
 
 def _event(event: SafetyEvent) -> str:

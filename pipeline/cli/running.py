@@ -5,13 +5,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
 import typer
 
 from datasets.recorded import SessionHeader, SessionWriter, software_versions
-from pipeline.accounts import account
+from pipeline.accounts import account, link_reports
 from pipeline.cadence import Cadence
 from pipeline.camera_model import require_floor
 from pipeline.certificate_findings import broken_gains
@@ -21,10 +22,11 @@ from pipeline.config import Scenario
 from pipeline.interruption import interruption
 from pipeline.live import run
 from pipeline.notice import tell
+from pipeline.operators.nobody import Nobody
 from pipeline.operators.open import open_operator
 from pipeline.placing import place_followers
 from pipeline.planners.open import open_planner
-from pipeline.ports import Observer
+from pipeline.ports import Observer, Operator
 from pipeline.progress import Progress
 from pipeline.publishers.open import open_publisher
 from pipeline.rigs import connect
@@ -35,6 +37,7 @@ from pipeline.transitions import Transitions
 
 SAFETY_STOP, INTERRUPTED = 4, 130
 PATIENCE = 10.0  # for robots that a rendered camera should see at once [s]
+NO_SIGNALS = Nobody()
 ROOM = 1.5  # a link is asked for commands this much slower than it could carry them
 
 
@@ -87,13 +90,16 @@ class Outputs:
         return self.record or (self.report / "session.mcap" if self.report else None)
 
 
-def run_live(request: Request, outputs: Outputs, output: Output) -> None:
+def run_live(
+    request: Request, outputs: Outputs, output: Output, signals: Operator = NO_SIGNALS
+) -> None:
     """Run a formation and tell the result.
 
     Args:
         request: what to run.
         outputs: what to leave behind.
         output: where to say it.
+        signals: who stops and arms from elsewhere; what was sent before the run counts.
 
     Raises:
         ConfigError: if the scenario or a SPEC is wrong.
@@ -116,19 +122,22 @@ def run_live(request: Request, outputs: Outputs, output: Output) -> None:
         scores = make_scores(setup)
         seed = request.seed if request.camera == "rendered" else None
         with observers(setup, scenario, seed, request.fast, request.duration, outputs) as others:
-            cadence = Cadence(scenario.camera.fps, setup.period, tell)
+            cadence = Cadence(
+                scenario.camera.fps, setup.period, tell, partial(link_reports, rig.sink)
+            )
             told = Transitions(tell, setup.rules.hold)
-            operator = open_operator(setup, output.say)
             rig = replace(
-                rig, observers=(scores, cadence, told, *others), operator=operator,
+                rig, observers=(scores, cadence, told, *others),
+                operator=open_operator(setup, signals, output.say),
                 planner=open_planner(setup, request.fast),
             )  # fmt: skip
             start = perf_counter()
             why = run(setup, rig, setup.period, _end(request, scenario), interrupted)
             wall = perf_counter() - start
-    output.result(scores.result(setup.name, wall))
+    output.result(scores.result(setup.name, wall), cadence.to_json(not request.fast))
     if not request.fast:
         output.cadence(cadence)
+    output.links(cadence.links())
     for line in account(rig):
         output.say(line)
     finish(outputs, output)

@@ -4,18 +4,18 @@ from collections.abc import Callable
 
 from pipeline.errors import ConfigError
 from pipeline.operators.keys import HELP, HELP_DRIVING
-from pipeline.operators.signals import Signals
 from pipeline.operators.terminal import Terminal, there_is_a_terminal
 from pipeline.operators.together import Together
 from pipeline.ports import Operator
 from pipeline.setup import Setup
 
 
-def open_operator(setup: Setup, say: Callable[[str], None]) -> Operator:
+def open_operator(setup: Setup, signals: Operator, say: Callable[[str], None]) -> Operator:
     """Take the controls.
 
     Args:
         setup: says whether keys drive the leader.
+        signals: who sends signals.
         say: tells the person which keys there are.
 
     Returns:
@@ -30,8 +30,8 @@ def open_operator(setup: Setup, say: Callable[[str], None]) -> Operator:
                 f'scenario {setup.name}: leader.driven_by = "keys" needs a terminal; this '
                 "program's input or its messages go elsewhere"
             )
-        return Signals()
+        return signals
     say(f"keys: {HELP_DRIVING if setup.keys else HELP}; Ctrl-C ends")
     if setup.rules.hold:
         say("nothing moves before r is pressed")
-    return Together((Signals(), Terminal(setup.keys)))
+    return Together((signals, Terminal(setup.keys)))

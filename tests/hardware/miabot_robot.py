@@ -1,20 +1,11 @@
 """An emulated Miabot PRO at the far end of a pty, written from its protocol's description."""
 
-import os
-import select
-import threading
-import tty
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from time import monotonic
-from typing import Protocol
-
-from tests.hardware.closed import Closed
 
 LONGEST = 32  # bytes a command may have between its brackets
 FULL_SCALE = 1000  # wheel units
 TICKS_PER_METRE = 25_000
-STRIDE = 0.05  # longest sleep of the robots' thread [s]
 
 Drive = Callable[[float, float, float], None]  # left m/s, right m/s, t s
 
@@ -154,69 +145,3 @@ class Miabot:
 
 def _clip(units: int) -> int:
     return max(-FULL_SCALE, min(FULL_SCALE, units))
-
-
-class Firmware(Protocol):
-    """What sits at the far end of a serial line."""
-
-    def receive(self, data: bytes, t: float) -> bytes:
-        """Take bytes, and answer."""
-        ...
-
-    def wake(self, t: float) -> bytes:
-        """Do what is due by now."""
-        ...
-
-    def due(self) -> float:
-        """When it has to be woken next [s]."""
-        ...
-
-
-class Ptys(Closed):
-    """Robots on ptys, served by one thread.
-
-    Attributes:
-        paths: serial ports the robots are reached through, in their order.
-    """
-
-    def __init__(self, robots: Sequence[Firmware], clock: Callable[[], float] = monotonic) -> None:
-        """Open a pty per robot.
-
-        Args:
-            robots: who listens.
-            clock: the robots' time.
-        """
-        self._clock, self._ends = clock, [os.openpty() for _ in robots]
-        for _, slave in self._ends:
-            tty.setraw(slave)
-        self.paths = [os.ttyname(slave) for _, slave in self._ends]
-        self._robots = {
-            master: robot for (master, _), robot in zip(self._ends, robots, strict=True)
-        }
-        self._stop_read, self._stop_write = os.pipe()
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Unplug all robots; whoever has a port open sees it go. Safe to call twice."""
-        if not self._ends:
-            return
-        os.write(self._stop_write, b"x")
-        self._thread.join()
-        for end in (*(fd for pair in self._ends for fd in pair), self._stop_read, self._stop_write):
-            os.close(end)
-        self._ends = []
-
-    def _serve(self) -> None:
-        while True:
-            wait = min(robot.due() for robot in self._robots.values()) - self._clock()
-            waiting = (*self._robots, self._stop_read)
-            ready, _, _ = select.select(waiting, (), (), max(0.0, min(wait, STRIDE)))
-            if self._stop_read in ready:
-                return
-            for master, robot in self._robots.items():
-                data = os.read(master, 4096) if master in ready else b""
-                t = self._clock()
-                answer = robot.receive(data, t) + robot.wake(t)
-                if answer:
-                    os.write(master, answer)

@@ -4,6 +4,7 @@ import socket
 import threading
 from fractions import Fraction
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from socketserver import BaseServer
 from typing import Any, Protocol
 
 import av
@@ -29,8 +30,16 @@ class Streamer(Protocol):
         """
         ...
 
+    def unplug(self) -> None:
+        """Be gone: the stream ends, and nothing is at its address. Safe to call twice."""
+        ...
+
+    def plug(self) -> None:
+        """Be there again, at the same address; a clock in the stream begins anew."""
+        ...
+
     def close(self) -> None:
-        """End the stream."""
+        """End the stream. Safe to call twice."""
         ...
 
 
@@ -46,12 +55,11 @@ class MjpegServer:
         """
         self._quality = [int(cv2.IMWRITE_JPEG_QUALITY), quality]
         self._news = threading.Condition()
-        self._jpeg, self._count, self._ended = b"", 0, False
-        self._server = ThreadingHTTPServer(("127.0.0.1", port), _handler(self))
-        self._server.daemon_threads = True
-        self.port = self._server.server_port
-        self.url = f"http://127.0.0.1:{self._server.server_port}/stream"
-        threading.Thread(target=self._server.serve_forever, args=(0.05,), daemon=True).start()
+        self._jpeg, self._count = b"", 0
+        self._server: ThreadingHTTPServer | None = None
+        self.port = port
+        self.plug()
+        self.url = f"http://127.0.0.1:{self.port}/stream"
 
     def publish(self, image: NDArray[np.uint8], t: float) -> None:  # noqa: ARG002 - MJPEG has no times
         """Send one picture to everyone connected.
@@ -74,26 +82,39 @@ class MjpegServer:
             self._jpeg, self._count = jpeg, self._count + 1
             self._news.notify_all()
 
-    def next_after(self, count: int) -> tuple[bytes, int]:
+    def next_after(self, count: int, server: BaseServer) -> tuple[bytes, int]:
         """Wait for news.
 
         Args:
             count: number of the picture already had.
+            server: that serves who asks.
 
         Returns:
             The newest JPEG and its number; an empty one when the stream has ended.
         """
         with self._news:
-            self._news.wait_for(lambda: self._count > count or self._ended)
-            return (b"", count) if self._ended else (self._jpeg, self._count)
+            self._news.wait_for(lambda: self._count > count or self._server is not server)
+            return (self._jpeg, self._count) if self._server is server else (b"", count)
+
+    def plug(self) -> None:
+        """Be there again, at the same address."""
+        server = ThreadingHTTPServer(("127.0.0.1", self.port), _handler(self))
+        server.daemon_threads = True
+        self._server, self.port = server, server.server_port
+        threading.Thread(target=server.serve_forever, args=(0.05,), daemon=True).start()
+
+    def unplug(self) -> None:
+        """End the stream for everyone connected. Safe to call twice."""
+        with self._news:
+            server, self._server = self._server, None
+            self._news.notify_all()
+        if server is not None:
+            server.shutdown()
+            server.server_close()
 
     def close(self) -> None:
-        """End the stream for everyone connected."""
-        with self._news:
-            self._ended = True
-            self._news.notify_all()
-        self._server.shutdown()
-        self._server.server_close()
+        """End the stream for everyone connected. Safe to call twice."""
+        self.unplug()
 
 
 def _handler(camera: MjpegServer) -> type[BaseHTTPRequestHandler]:
@@ -103,14 +124,14 @@ def _handler(camera: MjpegServer) -> type[BaseHTTPRequestHandler]:
             self.send_header("Content-Type", f"multipart/x-mixed-replace; boundary={BOUNDARY}")
             self.end_headers()
             self.connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            jpeg, count = camera.next_after(0)
+            jpeg, count = camera.next_after(0, self.server)
             while jpeg:
                 head = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}"
                 try:
                     self.wfile.write(head.encode() + b"\r\n\r\n" + jpeg + b"\r\n")
                 except OSError:  # the viewer has gone
                     return
-                jpeg, count = camera.next_after(count)
+                jpeg, count = camera.next_after(count, self.server)
 
         def log_message(self, format: str, *args: Any) -> None:
             """Stay quiet."""
@@ -122,7 +143,7 @@ class UdpSender:
     """An H.264 camera that sends MPEG-TS over UDP, with its own capture times in the stream."""
 
     def __init__(self, size_px: tuple[int, int], fps: float, port: int | None = None) -> None:
-        """Prepare the encoder.
+        """Begin to send.
 
         Args:
             size_px: width and height [px].
@@ -130,19 +151,9 @@ class UdpSender:
             port: where to send on loopback; a free one if None.
         """
         self.url = f"udp://127.0.0.1:{port or _free_udp_port()}"
-        self._container: Any = av.open(
-            f"{self.url}?pkt_size=1316",
-            "w",
-            format="mpegts",
-            options={"flush_packets": "1"},
-        )
-        stream = self._container.add_stream("libx264", rate=round(fps))
-        stream.width, stream.height, stream.pix_fmt = *size_px, "yuv420p"
-        stream.time_base = stream.codec_context.time_base = Fraction(1, CLOCK_RATE)
-        stream.codec_context.gop_size = round(fps / 2)  # who joins late waits at most half a second
-        stream.codec_context.thread_count = 1
-        stream.options = {"preset": "ultrafast", "tune": "zerolatency", "crf": "18"}
-        self._stream = stream
+        self._size, self._fps, self._lock = size_px, round(fps), threading.Lock()
+        self._container: Any = None
+        self.plug()
 
     def publish(self, image: NDArray[np.uint8], t: float) -> None:
         """Send one picture.
@@ -153,12 +164,35 @@ class UdpSender:
         """
         frame = av.VideoFrame.from_ndarray(image, format="bgr24")
         frame.pts, frame.time_base = round(t * CLOCK_RATE), Fraction(1, CLOCK_RATE)
-        self._container.mux(self._stream.encode(frame))
+        with self._lock:
+            if self._container is not None:
+                self._container.mux(self._stream.encode(frame))
+
+    def plug(self) -> None:
+        """Send again, to the same address; the times in the stream may be any."""
+        container: Any = av.open(
+            f"{self.url}?pkt_size=1316", "w", format="mpegts", options={"flush_packets": "1"}
+        )
+        stream = container.add_stream("libx264", rate=self._fps)
+        stream.width, stream.height, stream.pix_fmt = *self._size, "yuv420p"
+        stream.time_base = stream.codec_context.time_base = Fraction(1, CLOCK_RATE)
+        stream.codec_context.gop_size = self._fps // 2  # who joins late waits at most half a second
+        stream.codec_context.thread_count = 1
+        stream.options = {"preset": "ultrafast", "tune": "zerolatency", "crf": "18"}
+        with self._lock:
+            self._container, self._stream = container, stream
+
+    def unplug(self) -> None:
+        """Send no more. Safe to call twice."""
+        with self._lock:
+            container, self._container = self._container, None
+        if container is not None:
+            container.mux(self._stream.encode(None))
+            container.close()
 
     def close(self) -> None:
-        """End the stream."""
-        self._container.mux(self._stream.encode(None))
-        self._container.close()
+        """End the stream. Safe to call twice."""
+        self.unplug()
 
 
 def _free_udp_port() -> int:

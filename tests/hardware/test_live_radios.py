@@ -1,12 +1,12 @@
 """`echelon live` with real radios beside the simulated one: what is told at the end of a run."""
 
-import re
 import threading
 
 import pytest
 
-from pipeline.accounts import account
+from pipeline.accounts import link_reports
 from pipeline.interruption import interruption
+from pipeline.links import link_rows
 from pipeline.live import run
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
@@ -17,11 +17,6 @@ from tests.hardware.miabot_tcp import TcpMiabot, free_port
 from tests.pipeline.commands import echelon
 
 pytestmark = pytest.mark.realtime
-
-LINE = re.compile(
-    r"robot (\d) on 127\.0\.0\.1:\d+: (\d+) messages sent, .* round trip (\d+\.\d) ms \(p50\), "
-    r"(\d+\.\d) ms \(max\), 0\.0 % of \d+ questions unanswered"
-)
 
 
 def test_robots_that_call_the_host_are_driven_stopped_and_accounted_for() -> None:
@@ -34,11 +29,16 @@ def test_robots_that_call_the_host_are_driven_stopped_and_accounted_for() -> Non
         for end in ends:
             end.close()
     assert done.returncode == 0, done.stderr
-    found = LINE.findall(done.stdout)
-    assert [number for number, *_ in found] == ["1", "2", "3"]
+    lines = [line.split() for line in done.stdout.splitlines()]
+    rows = lines[lines.index(["Links"]) + 2 :][:3]
+    assert [row[0] for row in rows] == ["1", "2", "3"]
     for robot in robots:
-        sent = next(int(count) for number, count, *_ in found if int(number) == robot.number)
-        assert len(robot.commands()) == sent > 50
+        asked, carried, *counts, trip, most, unanswered = map(float, rows[robot.number - 1][2:])
+        assert counts[2:] == [0.0, 0.0, 0.0]
+        assert 0.0 < trip <= most
+        assert unanswered == 0.0
+        assert 0.9 * asked < carried <= asked
+        assert len(robot.commands()) == pytest.approx(2.0 * carried, rel=0.15)
         assert robot.received[0][1] == ".vTO=300"
         assert (robot.errors, robot.wheels) == (0, (0, 0))
         assert [text for _, text in robot.received].count("s") >= 3
@@ -50,7 +50,7 @@ def test_robots_in_firasim_stand_at_the_end() -> None:
     with FiraSim() as simulator, interruption() as interrupted:
         rig = connect(scenario, "rendered", f"firasim:{simulator.place}", 0, False, interrupted)
         run(setup, rig, setup.period, 1.5, interrupted)
-        lines = account(rig)
+        rows = link_rows(link_reports(rig.sink), {}, 0.0)
         told = [told for told in simulator.told if told.left != 0.0]
         assert len(told) > 100
         assert {t.yellow for t in simulator.told} == {True}
@@ -58,8 +58,5 @@ def test_robots_in_firasim_stand_at_the_end() -> None:
         for number in (1, 2, 3):
             assert simulator.wheels(number, yellow=True) == (0.0, 0.0)
         assert simulator.errors == simulator.strangers == 0
-    assert [line for line in lines if line.startswith("robot 1 on ")] == [
-        line for line in lines if line.startswith(f"robot 1 on {simulator.place}: ")
-    ]
-    assert sum(line.startswith("robot ") for line in lines) == 3
+    assert [(row.robot_id, row.place) for row in rows] == [(n, simulator.place) for n in (1, 2, 3)]
     assert all(thread.name != simulator.place for thread in threading.enumerate())

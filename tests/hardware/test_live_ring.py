@@ -4,14 +4,14 @@ Two processes that share nothing but a loopback stream and the ptys, for more th
 """
 
 import json
-from math import atan2, cos, degrees, hypot, pi, radians, sin
+from math import degrees, hypot
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from control.geometry import wrap_angle
+from tests.hardware.formed import WANTED, errors
 from tests.hardware.ring import lateness, ring
 from tests.pipeline.commands import echelon
 
@@ -21,16 +21,6 @@ SECONDS = 10.8
 SLOWER = ("leader.speed_mps=0.35", f"duration_s={SECONDS}")  # so that the path lasts as long
 LATE, TRIES = 0.1, 3  # of the world's frames: then the machine was at fault [s]
 KEPT_APART = {"kept-apart"}  # the paper's robots 2 and 3 come close at first
-WANTED = {2: (0.15, 135.0), 3: (0.30, -135.0)}  # after the change of size [m, deg]
-
-
-def relative(robots: list[dict[str, Any]], follower: int) -> tuple[float, float]:
-    """True distance [m] and bearing [rad] of a follower about robot 1, equations (6) and (7)."""
-    by_id = {robot["id"]: robot for robot in robots}
-    i, k = by_id[1], by_id[follower]
-    x = i["x_m"] - k["x_m"] - 0.05 * cos(k["theta_rad"])
-    y = i["y_m"] - k["y_m"] - 0.05 * sin(k["theta_rad"])
-    return hypot(x, y), wrap_angle(pi + atan2(y, x) - i["theta_rad"])
 
 
 Told = tuple[dict[str, Any], dict[str, Any]]
@@ -83,11 +73,10 @@ def test_the_formation_drives_through_real_links(
         assert len(robot["stops"]) >= 3
     moving = [f for f in truth["frames"] if f["robots"][0]["x_m"] > 0.01]
     end = next(n for n in range(len(moving) - 1, 0, -1) if moved(moving, n)) - 5
-    for follower, (distance, bearing) in WANTED.items():
-        seen = np.array([relative(f["robots"], follower) for f in moving[end - 40 : end]])
-        error = seen[:, 0] - distance, np.unwrap(seen[:, 1]) - radians(bearing)
-        assert 1e3 * np.sqrt(np.mean(error[0] ** 2)) < 12.0  # mm
-        assert degrees(np.sqrt(np.mean(error[1] ** 2))) < 5.0
+    for follower in WANTED:
+        distance, bearing = np.sqrt(np.mean(errors(moving[end - 40 : end], follower) ** 2, axis=0))
+        assert 1e3 * distance < 12.0  # mm
+        assert degrees(bearing) < 5.0
     assert echelon("replay", tmp_path / "ring.mcap", "--compare").returncode == 0
 
 

@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from control.command import Command
+from control.unicycle import Twist
 from datasets.cycle import Cycle, Moment, Orders, SafetyEvent, Tick, Timing
 from pipeline.cadence import Cadence
+from pipeline.links import link_advice
+from pipeline.radios.report import SIMULATED, LinkCounts, RobotReport, RoundTrip
 from pipeline.transitions import Transitions
 from vision.frame import as_frame
 from vision.light import PALETTE_LIGHT
@@ -61,6 +65,59 @@ def test_what_is_wrong_is_told_with_what_helps() -> None:
     assert "6.0 ms late, every 10 ms" in late
     (work,) = measured(4, work=0.012).advice()
     assert "up to 12.0 ms of 10 ms" in work
+
+
+def test_a_camera_that_is_looked_at_less_often_is_not_called_slow() -> None:
+    cadence = Cadence(60.0, 0.060, lambda _: None)
+    for n in range(100):
+        cadence.observe(moment(0.060 * n, 0.060 * n - 0.006))
+    assert cadence.advice() == ()
+
+
+LINK = RobotReport(2, "/dev/rfcomm2", True, None, LinkCounts(sent=198, replaced=201))
+SIMULATED_LINK = RobotReport(1, SIMULATED, True, None, LinkCounts(sent=399))
+
+
+def driven(*reports: RobotReport) -> Cadence:
+    """Four seconds of commands at 100 Hz, the first two of them without."""
+    said = list[str]()
+    cadence = Cadence(30.0, PERIOD, said.append, lambda: reports)
+    commands = tuple(Command(robot, Twist(0.1, 0.0), 0.0, 1.0) for robot in (1, 2))
+    for n in range(601):
+        one = moment(n * PERIOD, None)
+        cycle = replace(one.cycle, commands=commands if n > 200 else ())
+        cadence.observe(replace(one, cycle=cycle))
+    return cadence
+
+
+def test_links_tell_what_they_carried_of_what_was_asked() -> None:
+    cadence = driven(SIMULATED_LINK, LINK)
+    (row,) = cadence.links()  # a simulated one that carries everything has nothing to tell
+    assert row.asked_per_s == pytest.approx(100.0, rel=0.01)
+    assert row.carried_per_s == pytest.approx(49.5, rel=0.01)
+    (advice,) = link_advice((row,))
+    assert advice.startswith("robot 2 on /dev/rfcomm2: 50 of 100 commands/s are carried")
+    lines = list(cadence.lines())
+    assert lines[-2] == "robot 2 on /dev/rfcomm2: 49.6 of 100.3 commands/s carried"
+    assert lines[-1] == advice
+    assert cadence.to_json(timed=False)["cadence"] is None
+    assert cadence.to_json(timed=True)["links"][0]["overtaken"] == 201
+
+
+def test_what_is_wrong_with_a_link_is_told_with_what_helps() -> None:
+    counts = LinkCounts(sent=399, failures=2, lost=3, doubled=4, silences=5)
+    trip = RoundTrip(asked=10, unanswered=1, p50=0.012, longest=0.5)
+    bad = replace(LINK, counts=counts, garbage=6, foreign=7, round_trip=trip)
+    said = [
+        line.removeprefix("robot 2 on /dev/rfcomm2: ") for line in link_advice(driven(bad).links())
+    ]
+    assert [line.split(":")[0] for line in said] == [
+        "the link failed 2 times", "10 % of its questions got no answer",
+        "7 replies name another robot", "6 bytes of garbage came",
+        "3 messages were lost, 4 arrived twice",
+        "the robots were stopped 5 times because no command came",
+    ]  # fmt: skip
+    assert list(link_advice(driven(replace(LINK, counts=LinkCounts(sent=390))).links())) == []
 
 
 def test_it_is_told_on_request_and_without_anything() -> None:

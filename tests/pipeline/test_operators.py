@@ -20,12 +20,13 @@ from control.keyed import KeyDrive
 from datasets.cycle import Moment, Orders
 from datasets.recorded import read_session
 from pipeline.errors import ConfigError
+from pipeline.interruption import ARM, HALT, noted
 from pipeline.operators.keys import HANDS_OFF, Keys
 from pipeline.operators.nobody import Nobody
 from pipeline.operators.signals import Signals
 from pipeline.operators.terminal import Terminal
 from pipeline.operators.together import Together
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import ECHELON, ROOT, echelon
 
 DRIVE = KeyDrive(speed=0.5, turn=2.0, ramp=1.0)
 UP, DOWN, RIGHT, LEFT = b"\x1b[A", b"\x1b[B", b"\x1b[C", b"\x1b[D"
@@ -84,16 +85,17 @@ def test_any_bytes_are_keys_within_limits(pieces: list[bytes], drives: bool) -> 
 
 def test_signals_stop_and_arm_and_are_given_back() -> None:
     before = signal.getsignal(signal.SIGUSR1)
-    both = Together((Nobody(), Signals()))
-    assert both.orders(0.0) == Orders()
-    signal.raise_signal(signal.SIGUSR2)
-    assert both.orders(0.1) == Orders(arm=True)
-    signal.raise_signal(signal.SIGUSR2)
-    signal.raise_signal(signal.SIGUSR1)
-    assert both.orders(0.2) == Orders(halt=True)
-    assert both.orders(0.3) == Orders()
-    both.close()
-    both.close()
+    with noted((HALT, ARM)) as came:
+        both = Together((Nobody(), Signals(came)))
+        assert both.orders(0.0) == Orders()
+        signal.raise_signal(signal.SIGUSR2)
+        assert both.orders(0.1) == Orders(arm=True)
+        signal.raise_signal(signal.SIGUSR2)
+        signal.raise_signal(signal.SIGUSR1)
+        assert both.orders(0.2) == Orders(halt=True)
+        assert both.orders(0.3) == Orders()
+        both.close()
+        signal.raise_signal(signal.SIGUSR1)  # after the run it ends nothing
     assert signal.getsignal(signal.SIGUSR1) == before
 
 
@@ -114,6 +116,29 @@ def test_a_terminal_is_given_back_as_it_was() -> None:
     os.close(slave)
     with pytest.raises(ConfigError, match="need a terminal"):
         Terminal(DRIVE, os.open(os.devnull, os.O_RDONLY))
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="needs Linux's /proc")
+def test_a_stop_during_the_set_up_counts_from_the_first_cycle() -> None:
+    command = (*ECHELON, "live", "paper", "--duration", "1", "--fast", "--json")
+    process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True)
+    while not catches(process.pid, signal.SIGUSR1):
+        assert process.poll() is None
+        sleep(0.001)
+    process.send_signal(signal.SIGUSR1)
+    result = json.loads(process.communicate(timeout=60.0)[0])
+    assert process.returncode == 0
+    assert [event["kind"] for event in result["safety_events"]] == ["emergency-stop"]
+    assert result["safety_events"][0]["t"] == 0.0
+    assert result["frames"] > 20
+    assert result["leader"] is None  # the mission has not begun
+
+
+def catches(pid: int, number: int) -> bool:
+    """Whether a process has a handler of a signal."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    mask = next(line.split()[1] for line in lines if line.startswith("SigCgt"))
+    return bool(int(mask, 16) >> (number - 1) & 1)
 
 
 BACKGROUND = """

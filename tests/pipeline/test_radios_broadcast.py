@@ -15,7 +15,7 @@ from pipeline.radios.open import RadioSettings
 from pipeline.radios.vsss import BYTES_PER_SECOND, VsssFormat, vsss_channel, vsss_message
 from pipeline.radios.wheels import Wheels
 from tests.hardware.firasim import FiraSim
-from tests.hardware.miabot_robot import Ptys
+from tests.hardware.ptys import Ptys
 from tests.hardware.vsss_base import VsssBase
 from tests.pipeline.radios import CLOCK, DEFAULTS, command, opened, until
 

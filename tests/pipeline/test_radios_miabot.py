@@ -14,7 +14,8 @@ from pipeline.clock import MonotonicClock
 from pipeline.errors import RadioError
 from pipeline.radios.miabot import MiabotRadio
 from pipeline.radios.miabot_line import MiabotPort, MiabotSettings
-from tests.hardware.miabot_robot import Miabot, Ptys
+from tests.hardware.miabot_robot import Miabot
+from tests.hardware.ptys import Ptys
 
 pytestmark = pytest.mark.realtime
 

@@ -1,1 +1,0 @@
-"""Runs in which everything goes wrong at random times, and the promises are watched."""
