@@ -1,9 +1,9 @@
 """How a run kept its time: frames, loop, latency and links, in tables a person can act on."""
 
-from array import array
 from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from control.command import RobotId
 from datasets.cycle import Moment
+from datasets.thinned import Thinned
 from pipeline.links import LinkRow, link_advice, link_rows
 from pipeline.radios.report import RobotReport
 
@@ -30,13 +31,23 @@ def no_links() -> tuple[RobotReport, ...]:
     return ()
 
 
-def _numbers() -> "array[float]":
-    return array("d")
+class _Times:
+    """Durations: the greatest, and as many as memory is meant for."""
+
+    def __init__(self) -> None:
+        self._kept, self.greatest = Thinned(1), -inf
+
+    def add(self, duration: float) -> None:
+        self._kept.add((duration,))
+        self.greatest = max(self.greatest, duration)
+
+    def kept(self) -> NDArray[np.float64]:
+        return self._kept.table()[:, 0]
 
 
 @dataclass
 class Cadence:
-    """An observer that measures when things happen.
+    """An observer that measures when things happen; of very long runs a part that is even in time.
 
     Attributes:
         fps: that were asked of the camera [1/s].
@@ -49,11 +60,12 @@ class Cadence:
     period: float
     say: Callable[[str], None]
     reports: Callable[[], tuple[RobotReport, ...]] = no_links
-    _captures: "array[float]" = field(default_factory=_numbers)
-    _arrivals: "array[float]" = field(default_factory=_numbers)
-    _ages: "array[float]" = field(default_factory=_numbers)
-    _work: "array[float]" = field(default_factory=_numbers)
-    _late: "array[float]" = field(default_factory=_numbers)
+    _between: _Times = field(default_factory=_Times)
+    _arrivals: _Times = field(default_factory=_Times)
+    _ages: _Times = field(default_factory=_Times)
+    _work: _Times = field(default_factory=_Times)
+    _late: _Times = field(default_factory=_Times)
+    _captured: float = nan  # when the last picture was taken [s]
     _asked: Counter[RobotId] = field(default_factory=Counter)
     _driven: float = 0.0  # how long commands came [s]
     _t_driven: float | None = None  # when one came last, if it was in the last cycle [s]
@@ -65,13 +77,15 @@ class Cadence:
             moment: its inputs, outcome, truth and cost.
         """
         frame = moment.tick.frame
-        self._late.append(moment.timing.late)
+        self._late.add(moment.timing.late)
         if frame is not None and moment.cycle.scene is not None:
-            self._captures.append(frame.t_capture)
-            self._ages.append(moment.tick.t - frame.t_capture)
-            self._work.append(moment.timing.frame_to_command)
+            if not isnan(self._captured):
+                self._between.add(frame.t_capture - self._captured)
+            self._captured = frame.t_capture
+            self._ages.add(moment.tick.t - frame.t_capture)
+            self._work.add(moment.timing.frame_to_command)
             if frame.t_arrival is not None:
-                self._arrivals.append(frame.t_arrival - frame.t_capture)
+                self._arrivals.add(frame.t_arrival - frame.t_capture)
         self._count_commands(moment)
         if moment.tick.orders.report:
             for line in self.lines():
@@ -108,13 +122,13 @@ class Cadence:
             Name, median, 99th percentile and greatest [ms]; what nobody knows is left out.
         """
         measured = (
-            ("between two frames", np.diff(_array(self._captures))),
-            ("capture to arrival", _array(self._arrivals)),
-            ("capture to pose and law", _array(self._ages)),
-            ("frame to command, computing", _array(self._work)),
-            ("loop later than its beat", _array(self._late)),
+            ("between two frames", self._between),
+            ("capture to arrival", self._arrivals),
+            ("capture to pose and law", self._ages),
+            ("frame to command, computing", self._work),
+            ("loop later than its beat", self._late),
         )
-        return tuple(_row(name, values) for name, values in measured if len(values))
+        return tuple(_row(name, times) for name, times in measured if len(times.kept()))
 
     def advice(self) -> tuple[str, ...]:
         """What is not as it should be, and what helps.
@@ -145,7 +159,7 @@ class Cadence:
         self._t_driven = t if commands else None
 
     def _advice(self) -> Iterator[str]:
-        between, wanted = np.diff(_array(self._captures)), max(1.0 / self.fps, self.period)
+        between, wanted = self._between.kept(), max(1.0 / self.fps, self.period)
         if len(between) and (usual := float(np.median(between))) > SLOW * wanted:
             yield (
                 f"the camera delivers {1.0 / usual:.1f} of {self.fps:g} frames/s: its exposure is "
@@ -154,23 +168,19 @@ class Cadence:
             wanted = usual
         if missing := int((between > GAP * wanted).sum()):
             yield f"{missing} of {len(between)} times a frame was missing between two others"
-        late = _array(self._late)
+        late = self._late.kept()
         if len(late) and (high := float(np.percentile(late, 99))) > LATE * self.period:
             yield (
                 f"1 % of the cycles begin more than {1e3 * high:.1f} ms late, every "
                 f"{1e3 * self.period:g} ms: close other programs, --view none, or a longer "
                 "--command-period"
             )
-        work = _array(self._work)
+        work = self._work.kept()
         if len(work) and (high := float(np.percentile(work, 99))) > self.period:
             yield (
                 f"computing takes up to {1e3 * high:.1f} ms of {1e3 * self.period:g} ms: a smaller "
                 "picture, fewer things that look like tags, or a longer --command-period"
             )
-
-
-def _array(numbers: "array[float]") -> NDArray[np.float64]:
-    return np.array(numbers, dtype=np.float64)
 
 
 def _rates(row: LinkRow) -> str:
@@ -179,6 +189,6 @@ def _rates(row: LinkRow) -> str:
     return rate if trip is None else f"{rate}, round trip {1e3 * trip:.1f} ms"
 
 
-def _row(name: str, values: NDArray[np.float64]) -> Row:
-    middle, high = np.percentile(values, (50, 99)).tolist()
-    return name, 1e3 * middle, 1e3 * high, 1e3 * float(values.max())
+def _row(name: str, times: _Times) -> Row:
+    middle, high = np.percentile(times.kept(), (50, 99)).tolist()
+    return name, 1e3 * middle, 1e3 * high, 1e3 * times.greatest
