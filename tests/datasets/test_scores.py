@@ -14,6 +14,8 @@ from control.profile import TanhStep
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import Motions, follower_errors, follower_score, settled_at
+from datasets.sightings import STRANGER, Sightings, sighted, vision_score
+from datasets.track import TruthTrack
 from datasets.truth import RunResult, Scores
 from vision.camera import overhead_camera
 from vision.frame import as_frame
@@ -112,6 +114,18 @@ def test_detections_half_a_side_away_are_false() -> None:
     assert vision.recall == 0.0
     assert vision.false_ids == 2 * 124
     assert vision.position_rms_m is None
+
+
+def test_a_stranger_in_a_robots_place_is_false_and_finds_nobody() -> None:
+    there = np.array([[[0.0, 0.0, 0.0, 0.0, 0.0], [0.5, 0.4, 0.0, 0.0, 0.0]]])
+    track = TruthTrack(np.array([0.0, 1.0]), np.repeat(there, 2, axis=0))
+    pose = np.array([[0.5, 0.4, 0.0]])
+    frame = np.array([0])
+    for place, recall in ((STRANGER, 0.0), (1, 0.5)):
+        seen = Sightings(np.array([0.5]), frame, np.array([place]), pose)
+        score = vision_score(seen, track, CAMERA, 0.075)
+        assert (score.recall, score.false_ids) == (recall, int(place == STRANGER))
+        assert [s.frames for s in sighted(seen, (1, 2))] == [0, int(place == 1)]
 
 
 def test_counts_times_and_events() -> None:
