@@ -16,7 +16,7 @@ condition; C. Hildreth, "A quadratic programming procedure", Naval Res. Logistic
 """
 
 from dataclasses import dataclass
-from math import cos, hypot, inf, sin
+from math import cos, hypot, inf, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,7 +108,12 @@ def keep_apart(
     Returns:
         (N, 2) velocities [m/s, rad/s]; those of `twists`, to the last bit, if nothing is close.
     """
-    rows = _rows(poses, twists, freedoms, clearance, arena)
+    headings = np.empty((len(poses), 2))
+    for i in range(len(poses)):
+        headings[i, 0], headings[i, 1] = cos(poses[i, 2]), sin(poses[i, 2])
+    if _all_far(poses, headings, twists, freedoms, clearance, arena):
+        return twists
+    rows = _rows(poses, headings, twists, freedoms, clearance, arena)
     if _met(rows, twists):
         return twists
     for i in range(len(twists)):
@@ -121,8 +126,40 @@ def keep_apart(
 
 
 @compilable
+def _all_far(
+    poses: Floats,
+    headings: Floats,
+    twists: Floats,
+    freedoms: Floats,
+    clearance: Clearance,
+    arena: Arena,
+) -> bool:
+    """Whether all rows are met for certain, by circles around the bodies and relative speeds."""
+    half = clearance.half_side
+    for i in range(len(poses)):
+        near = clearance.distance + 1.5 * half + _reach(twists, i, half) / clearance.rate
+        if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
+            return False
+        for j in range(i):
+            x, y = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
+            u = twists[i, 0] * headings[i, 0] - twists[j, 0] * headings[j, 0]
+            v = twists[i, 0] * headings[i, 1] - twists[j, 0] * headings[j, 1]
+            turning = 1.5 * half * (abs(twists[i, 1]) + abs(twists[j, 1]))
+            closing = (sqrt(u * u + v * v) + turning) / clearance.rate
+            far = clearance.distance + 3.0 * half + closing
+            if x * x + y * y < far * far and freedoms[i] + freedoms[j] > 0:
+                return False
+    return True
+
+
+@compilable
 def _rows(
-    poses: Floats, twists: Floats, freedoms: Floats, clearance: Clearance, arena: Arena
+    poses: Floats,
+    headings: Floats,
+    twists: Floats,
+    freedoms: Floats,
+    clearance: Clearance,
+    arena: Arena,
 ) -> list[Row]:
     """Conditions on all corners that could matter at these commands."""
     rows = [(0, 0, 0.0, 0.0, 0.0, 0.0, -1.0)]  # one that always holds: the list's type
@@ -132,14 +169,14 @@ def _rows(
         near = clearance.distance + 1.5 * half + reach / clearance.rate
         if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
             for corner in range(4):
-                _add_borders(rows, poses, i, corner, clearance, arena)
+                _add_borders(rows, poses, headings, i, corner, clearance, arena)
         for j in range(i):
             apart = hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
             closing = (reach + _reach(twists, j, half)) / clearance.rate
             if apart < clearance.distance + 3.0 * half + closing and freedoms[i] + freedoms[j] > 0:
                 for corner in range(4):
-                    rows.append(_corner_row(poses, i, j, corner, clearance))
-                    rows.append(_corner_row(poses, j, i, corner, clearance))
+                    rows.append(_corner_row(poses, headings, i, j, corner, clearance))
+                    rows.append(_corner_row(poses, headings, j, i, corner, clearance))
     return rows
 
 
@@ -157,21 +194,23 @@ def _inside(poses: Floats, i: int, arena: Arena, near: float) -> bool:
 
 
 @compilable
-def _corner(poses: Floats, i: int, corner: int, half: float) -> tuple[float, float]:
+def _corner(headings: Floats, i: int, corner: int, half: float) -> tuple[float, float]:
     """A corner seen from the body's centre, in floor axes [m, m]."""
     ahead = half if corner < 2 else -half
     left = half if corner % 2 == 0 else -half
-    c, s = cos(poses[i, 2]), sin(poses[i, 2])
+    c, s = headings[i, 0], headings[i, 1]
     return ahead * c - left * s, ahead * s + left * c
 
 
 @compilable
-def _corner_row(poses: Floats, i: int, j: int, corner: int, clearance: Clearance) -> Row:
+def _corner_row(
+    poses: Floats, headings: Floats, i: int, j: int, corner: int, clearance: Clearance
+) -> Row:
     """A corner of i against the body of j."""
     half = clearance.half_side
-    rx, ry = _corner(poses, i, corner, half)
+    rx, ry = _corner(headings, i, corner, half)
     dx, dy = poses[i, 0] + rx - poses[j, 0], poses[i, 1] + ry - poses[j, 1]
-    c, s = cos(poses[j, 2]), sin(poses[j, 2])
+    c, s = headings[j, 0], headings[j, 1]
     x, y = c * dx + s * dy, c * dy - s * dx  # in the frame of j
     qx, qy = max(-half, min(half, x)), max(-half, min(half, y))
     h = hypot(x - qx, y - qy)
@@ -183,7 +222,7 @@ def _corner_row(poses: Floats, i: int, j: int, corner: int, clearance: Clearance
         h, nx, ny = abs(y) - half, 0.0, 1.0 if y > 0.0 else -1.0
     nx, ny = c * nx - s * ny, s * nx + c * ny
     qx, qy = c * qx - s * qy, s * qx + c * qy
-    ci, si = cos(poses[i, 2]), sin(poses[i, 2])
+    ci, si = headings[i, 0], headings[i, 1]
     least = -clearance.rate * max(h - clearance.distance, 0.0)
     return (
         i, j, nx * ci + ny * si, ny * rx - nx * ry, -nx * c - ny * s, nx * qy - ny * qx, least,
@@ -192,11 +231,17 @@ def _corner_row(poses: Floats, i: int, j: int, corner: int, clearance: Clearance
 
 @compilable
 def _add_borders(
-    rows: list[Row], poses: Floats, i: int, corner: int, clearance: Clearance, arena: Arena
+    rows: list[Row],
+    poses: Floats,
+    headings: Floats,
+    i: int,
+    corner: int,
+    clearance: Clearance,
+    arena: Arena,
 ) -> None:
     """A corner of i against the arena's sides."""
-    rx, ry = _corner(poses, i, corner, clearance.half_side)
-    x, y, c, s = poses[i, 0] + rx, poses[i, 1] + ry, cos(poses[i, 2]), sin(poses[i, 2])
+    rx, ry = _corner(headings, i, corner, clearance.half_side)
+    x, y, c, s = poses[i, 0] + rx, poses[i, 1] + ry, headings[i, 0], headings[i, 1]
     for nx, ny, h in (
         (1.0, 0.0, x - arena.x_low),
         (-1.0, 0.0, arena.x_high - x),

@@ -3,17 +3,16 @@
 from math import cos, hypot, inf, nan, sin, sqrt
 
 import numpy as np
-from numba import prange
 
 from control.compilable import compilable
 from control.geometry import Pose2D, wrap_angle
 from control.relative import relative_state
 from datasets.scores import LAST_SHARE, SETTLED_BEARING, SETTLED_DISTANCE
 from datasets.simulation.inputs import Chance, Figures, Floats, Goals, Integers, Trace
-from vision.compiled import compiled_side_by_side
+from vision.compiled import compiled
 
 
-@compiled_side_by_side
+@compiled
 def score_batch(goals: Goals, chance: Chance, trace: Trace, figures: Figures) -> None:
     """Score N runs.
 
@@ -23,7 +22,7 @@ def score_batch(goals: Goals, chance: Chance, trace: Trace, figures: Figures) ->
         trace: what the runs were.
         figures: filled.
     """
-    for run in prange(len(chance.ticks)):
+    for run in range(len(chance.ticks)):
         _score(goals, chance, trace, figures, run)
 
 
