@@ -76,7 +76,7 @@ def see(
     filters: Filters, host: Host, noise: Floats, measured: Floats, t0: float, t1: float,
     sent: Floats, ticks: tuple[int, int],
 ) -> None:  # fmt: skip
-    """Correct all filters by a frame.
+    """Correct all filters by a frame, as `estimation.predict` and `estimation.correct`.
 
     Args:
         filters: of all robots.
@@ -97,9 +97,13 @@ def see(
         else:
             old, gain = state_of(means, robot), gain_of(means, robot)
             new = roll_through(old, t0, t1, sent, robot, ticks, host, gain)
-            means[robot] = _corrected(
-                covariance, old, new, gain, t1 - t0, model, measured[robot], noise[1]
+            f = transition(old, new, t1 - t0, model.lag, gain)
+            before = propagate(covariance, f, process_noise(old, new, t1 - t0, model))
+            state, gain, covariance[:] = correct_by_pose(
+                new, gain, before, measured[robot], noise[1]
             )
+            _put(means, robot, state)
+            means[robot, 5], means[robot, 6] = gain.v, gain.omega
         filters.ahead[robot] = means[robot, :5]
 
 
@@ -121,9 +125,7 @@ def roll_ahead(
     """
     for robot in range(len(ahead)):
         state, gain = state_of(ahead, robot), gain_of(means, robot)
-        s = roll_through(state, t0, t1, sent, robot, ticks, host, gain)
-        ahead[robot, 0], ahead[robot, 1], ahead[robot, 2] = s.x, s.y, s.theta
-        ahead[robot, 3], ahead[robot, 4] = s.v, s.omega
+        _put(ahead, robot, roll_through(state, t0, t1, sent, robot, ticks, host, gain))
 
 
 @compilable
@@ -164,21 +166,14 @@ def roll_through(
 
 
 @compilable
+def _put(table: Floats, robot: int, state: UnicycleState) -> None:
+    table[robot, 0], table[robot, 1], table[robot, 2] = state.x, state.y, state.theta
+    table[robot, 3], table[robot, 4] = state.v, state.omega
+
+
+@compilable
 def _begin(covariance: Floats, model: MotionModel, noise: Floats) -> None:
     """As `estimation.initial_estimate`: the model's doubt of velocities and gains."""
     covariance[:3, :3] = noise
     covariance[3, 3], covariance[4, 4] = model.initial_v_std**2, model.initial_omega_std**2
     covariance[5, 5] = covariance[6, 6] = model.gain_std**2
-
-
-@compilable
-def _corrected(
-    covariance: Floats, old: UnicycleState, new: UnicycleState, gain: DriveGain, dt: float,
-    model: MotionModel, pose: Floats, noise: Floats,
-) -> Floats:  # fmt: skip
-    """As `estimation.predict` and `estimation.correct`; the covariance (7, 7) is written over."""
-    f = transition(old, new, dt, model.lag, gain)
-    before = propagate(covariance, f, process_noise(old, new, dt, model))
-    mean = np.array((new.x, new.y, new.theta, new.v, new.omega, gain.v, gain.omega))
-    corrected, covariance[:] = correct_by_pose(mean, before, pose, noise)
-    return corrected

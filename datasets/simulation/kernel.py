@@ -30,12 +30,18 @@ def run_batch(host: Host, gains: Gains, field: Field, chance: Chance, trace: Tra
 def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int) -> None:
     """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
     first, end, ticks = chance.ticks[run]
-    period, delay, sent, rates = host.period, host.delay, trace.commands[run], chance.rates[run]
+    period, delay, sent, rates = (
+        host.period,
+        host.delay,
+        trace.commands[run],
+        chance.rates[run].copy(),
+    )
     lost, taken, tones = chance.lost[run], chance.taken[run], chance.tones[run]
     vehicles = place(field.starts, field.plants, first)
+    rates = chance.rates[run].copy()
     poses, seen, rolled = np.empty((len(taken), len(vehicles), 3)), np.nan, np.nan
     filters, laws, begins = nothing_seen(len(vehicles)), laws_at_rest(gains, field), True
-    means, ahead = filters.means, filters.ahead
+    means, ahead, wishes = filters.means, filters.ahead, np.empty((len(vehicles), 2))
     for tick in range(ticks):
         for robot in range(len(vehicles)):
             vehicles[robot] = drive_until(
@@ -54,15 +60,16 @@ def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, r
             mission = chance.mission[run, tick]
             if share > 0.0:
                 wanted = field.wanted[mission]
-                lead_on(laws, ahead, means, host, field.planned[mission], begins, commands)
-                follow_on(laws, ahead, means, host, wanted, rates, begins, commands)
+                lead_on(laws, ahead, means, host, field.planned[mission], begins, wishes)
+                follow_on(laws, ahead, means, host, wanted, rates, begins, wishes)
                 restrain(
-                    laws, ahead, means, host, field.freedoms, wanted, share, commands,
+                    laws, ahead, means, host, field.freedoms, wanted, wishes, share, commands,
                     trace.kept[run, tick],
                 )  # fmt: skip
             else:  # all stand, and their laws begin anew
                 commands[:] = 0.0
-            begins, rates = share <= 0.0, np.zeros_like(rates)  # measured before the start alone
+            begins = share <= 0.0
+            rates[:] = 0.0  # measured before the start alone
         _note(trace.states[run, tick], vehicles, tick * period)
         trace.ahead[run, tick] = ahead
 

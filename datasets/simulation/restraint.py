@@ -20,7 +20,7 @@ from datasets.simulation.laws import Laws, sample_of
 @compilable
 def restrain(
     laws: Laws, ahead: Floats, means: Floats, host: Host, freedoms: Floats, wanted: Floats,
-    share: float, commands: Floats, kept: NDArray[np.bool_],
+    wishes: Floats, share: float, commands: Floats, kept: NDArray[np.bool_],
 ) -> None:  # fmt: skip
     """Turn what the laws want into what may be sent.
 
@@ -31,12 +31,15 @@ def restrain(
         host: motors, clearance and arena.
         freedoms: (R,) who gives way.
         wanted: (R, 6) references of the present tick.
+        wishes: (R, 2) v and omega that the laws want [m/s, rad/s].
         share: of its speed that every robot may drive.
-        commands: (R, 2) v and omega, replaced where they may not be [m/s, rad/s].
+        commands: (R, 2) filled with v and omega that may be [m/s, rad/s].
         kept: (R,) filled: who is kept off others.
     """
-    motors, all_wanted = host.follower.actuation, commands.copy()
-    commands *= share
+    motors = host.follower.actuation
+    for robot in range(len(commands)):
+        commands[robot, 0] = share * wishes[robot, 0]
+        commands[robot, 1] = share * wishes[robot, 1]
     clear = clear_commands(
         ahead, commands, means[:, 5:], freedoms, host.period, motors, host.clearance, host.arena
     )
@@ -44,7 +47,7 @@ def restrain(
         v, omega = clear[robot]
         kept[robot] = v != commands[robot, 0] or omega != commands[robot, 1]
         commands[robot, 0], commands[robot, 1] = v, omega
-        if v != all_wanted[robot, 0] or omega != all_wanted[robot, 1]:
+        if v != wishes[robot, 0] or omega != wishes[robot, 1]:
             own, gain = state_of(ahead, robot).twist, gain_of(means, robot)
             u = motors.acceleration(own, Twist(v, omega), host.period, gain)
             _tell(laws, ahead, means, wanted, robot, u, host.follower.camera_offset)
