@@ -3,6 +3,7 @@
 import numpy as np
 
 from control.actuation import Actuation, DriveGain
+from control.barriers import all_far
 from control.compilable import compilable
 from control.safety import Arena, Clearance, Floats, keep_apart
 from control.unicycle import Twist
@@ -35,22 +36,26 @@ def clear_commands(
         (N, 2) commands; those of `commands`, to the last bit, for robots that need not give way
         [m/s, rad/s].
     """
-    count = len(states)
-    ways = np.empty((3, count, 2))  # wanted, least and greatest velocities at the end of dt
-    for i in range(count):
+    wanted = commands.copy()  # velocities at the end of dt
+    for i in range(len(states)):
         own, gain = Twist(states[i, 3], states[i, 4]), DriveGain(gains[i, 0], gains[i, 1])
-        ways[:, i, 0], ways[:, i, 1] = own.v, own.omega
+        a, b = 0.0, 0.0
         if not np.isnan(commands[i, 0]):
-            command = Twist(commands[i, 0], commands[i, 1])
-            a, b = motors.acceleration(own, command, dt, gain)
-            low, high = motors.reachable(own, dt, gain)
-            ways[0, i, 0], ways[0, i, 1] = own.v + dt * a, own.omega + dt * b
-            ways[1, i, 0], ways[1, i, 1] = low.v, low.omega
-            ways[2, i, 0], ways[2, i, 1] = high.v, high.omega
-    reached = keep_apart(states[:, :3], ways[0], ways[1], ways[2], freedoms, clearance, arena)
+            a, b = motors.acceleration(own, Twist(commands[i, 0], commands[i, 1]), dt, gain)
+        wanted[i, 0], wanted[i, 1] = own.v + dt * a, own.omega + dt * b
+    if all_far(states, wanted, freedoms, clearance, arena):
+        return commands
+    low, high = wanted.copy(), wanted.copy()
+    for i in range(len(states)):
+        if not np.isnan(commands[i, 0]):
+            own, gain = Twist(states[i, 3], states[i, 4]), DriveGain(gains[i, 0], gains[i, 1])
+            least, most = motors.reachable(own, dt, gain)
+            low[i, 0], low[i, 1] = least.v, least.omega
+            high[i, 0], high[i, 1] = most.v, most.omega
+    reached = keep_apart(states[:, :3], wanted, low, high, freedoms, clearance, arena)
     given = commands.copy()
-    for i in range(count):
-        if reached[i, 0] != ways[0, i, 0] or reached[i, 1] != ways[0, i, 1]:
+    for i in range(len(states)):
+        if reached[i, 0] != wanted[i, 0] or reached[i, 1] != wanted[i, 1]:
             own, gain = Twist(states[i, 3], states[i, 4]), DriveGain(gains[i, 0], gains[i, 1])
             u = (reached[i, 0] - own.v) / dt, (reached[i, 1] - own.omega) / dt
             command, _ = motors.command(own, u, dt, gain)

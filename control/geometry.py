@@ -17,7 +17,7 @@ def wrap_angle(angle: float) -> float:
     Returns:
         The equal angle in (-pi, pi] [rad].
     """
-    return pi - (pi - angle) % (2.0 * pi)
+    return angle if -pi < angle <= pi else pi - (pi - angle) % (2.0 * pi)
 
 
 @value

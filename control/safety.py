@@ -15,72 +15,16 @@ Source: A. D. Ames et al., "Control barrier functions: theory and applications",
 condition; C. Hildreth, "A quadratic programming procedure", Naval Res. Logistics Quarterly, 1957.
 """
 
-from dataclasses import dataclass
-from math import cos, hypot, inf, sin
-
 import numpy as np
-from numpy.typing import NDArray
 
+from control.barriers import Arena as Arena
+from control.barriers import Clearance as Clearance
+from control.barriers import Floats as Floats
+from control.barriers import Row, corner_rows
 from control.compilable import compilable
-from control.errors import ControlError
-from control.value import value
-
-Floats = NDArray[np.float64]
-Row = tuple[int, int, float, float, float, float, float]
-"""Robots i and j, what h' takes of v_i, w_i, v_j and w_j, and the least h' [m/s]."""
 
 _SWEEPS = 200
 _EXACT = 1e-7  # by which a row may be missed [m/s]
-
-
-@value
-@dataclass(frozen=True, slots=True)
-class Arena:
-    """The rectangle that bodies must not leave.
-
-    Attributes:
-        x_low: its left side [m].
-        y_low: its near side [m].
-        x_high: its right side [m].
-        y_high: its far side [m].
-
-    Raises:
-        ControlError: unless low < high.
-    """
-
-    x_low: float = -inf
-    y_low: float = -inf
-    x_high: float = inf
-    y_high: float = inf
-
-    def __post_init__(self) -> None:
-        if not (self.x_low < self.x_high and self.y_low < self.y_high):
-            raise ControlError(f"an arena needs low < high on both axes, got {self}")
-
-
-@value
-@dataclass(frozen=True, slots=True)
-class Clearance:
-    """How far apart bodies are kept.
-
-    Attributes:
-        distance: between bodies, and to the arena's sides, >= 0 [m].
-        rate: share of the distance beyond it that may be lost a second, > 0 [1/s].
-        arm: way that counts as much as a radian, > 0: the less, the rather robots turn [m].
-        half_side: of the square bodies, > 0 [m].
-
-    Raises:
-        ControlError: if a number is out of its range.
-    """
-
-    distance: float = 0.022
-    rate: float = 8.0
-    arm: float = 0.05
-    half_side: float = 0.0375
-
-    def __post_init__(self) -> None:
-        if not (self.distance >= 0.0 and min(self.rate, self.arm, self.half_side) > 0.0):
-            raise ControlError(f"a clearance >= 0 m with rate, arm and body > 0, got {self}")
 
 
 @compilable
@@ -108,7 +52,7 @@ def keep_apart(
     Returns:
         (N, 2) velocities [m/s, rad/s]; those of `twists`, to the last bit, if nothing is close.
     """
-    rows = _rows(poses, twists, freedoms, clearance, arena)
+    rows = corner_rows(poses, twists, freedoms, clearance, arena)
     if _met(rows, twists):
         return twists
     for i in range(len(twists)):
@@ -118,94 +62,6 @@ def keep_apart(
                 rows.append((i, i, on_v, on_w, 0.0, 0.0, min(low[i, k], twists[i, k])))
                 rows.append((i, i, -on_v, -on_w, 0.0, 0.0, -max(high[i, k], twists[i, k])))
     return _nearest(rows, twists, freedoms, clearance.arm)
-
-
-@compilable
-def _rows(
-    poses: Floats, twists: Floats, freedoms: Floats, clearance: Clearance, arena: Arena
-) -> list[Row]:
-    """Conditions on all corners that could matter at these commands."""
-    rows = [(0, 0, 0.0, 0.0, 0.0, 0.0, -1.0)]  # one that always holds: the list's type
-    half = clearance.half_side
-    for i in range(len(poses)):
-        reach = _reach(twists, i, half)
-        near = clearance.distance + 1.5 * half + reach / clearance.rate
-        if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
-            for corner in range(4):
-                _add_borders(rows, poses, i, corner, clearance, arena)
-        for j in range(i):
-            apart = hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
-            closing = (reach + _reach(twists, j, half)) / clearance.rate
-            if apart < clearance.distance + 3.0 * half + closing and freedoms[i] + freedoms[j] > 0:
-                for corner in range(4):
-                    rows.append(_corner_row(poses, i, j, corner, clearance))
-                    rows.append(_corner_row(poses, j, i, corner, clearance))
-    return rows
-
-
-@compilable
-def _reach(twists: Floats, i: int, half: float) -> float:
-    """Greatest speed of a point of a body [m/s]."""
-    return float(abs(twists[i, 0]) + 1.5 * half * abs(twists[i, 1]))
-
-
-@compilable
-def _inside(poses: Floats, i: int, arena: Arena, near: float) -> bool:
-    x, y = float(poses[i, 0]), float(poses[i, 1])
-    across = x - arena.x_low > near and arena.x_high - x > near
-    return across and y - arena.y_low > near and arena.y_high - y > near
-
-
-@compilable
-def _corner(poses: Floats, i: int, corner: int, half: float) -> tuple[float, float]:
-    """A corner seen from the body's centre, in floor axes [m, m]."""
-    ahead = half if corner < 2 else -half
-    left = half if corner % 2 == 0 else -half
-    c, s = cos(poses[i, 2]), sin(poses[i, 2])
-    return ahead * c - left * s, ahead * s + left * c
-
-
-@compilable
-def _corner_row(poses: Floats, i: int, j: int, corner: int, clearance: Clearance) -> Row:
-    """A corner of i against the body of j."""
-    half = clearance.half_side
-    rx, ry = _corner(poses, i, corner, half)
-    dx, dy = poses[i, 0] + rx - poses[j, 0], poses[i, 1] + ry - poses[j, 1]
-    c, s = cos(poses[j, 2]), sin(poses[j, 2])
-    x, y = c * dx + s * dy, c * dy - s * dx  # in the frame of j
-    qx, qy = max(-half, min(half, x)), max(-half, min(half, y))
-    h = hypot(x - qx, y - qy)
-    if h > 0.0:
-        nx, ny = (x - qx) / h, (y - qy) / h
-    elif half - abs(x) < half - abs(y):  # inside: out by the nearest side
-        h, nx, ny = abs(x) - half, 1.0 if x > 0.0 else -1.0, 0.0
-    else:
-        h, nx, ny = abs(y) - half, 0.0, 1.0 if y > 0.0 else -1.0
-    nx, ny = c * nx - s * ny, s * nx + c * ny
-    qx, qy = c * qx - s * qy, s * qx + c * qy
-    ci, si = cos(poses[i, 2]), sin(poses[i, 2])
-    least = -clearance.rate * max(h - clearance.distance, 0.0)
-    return (
-        i, j, nx * ci + ny * si, ny * rx - nx * ry, -nx * c - ny * s, nx * qy - ny * qx, least,
-    )  # fmt: skip
-
-
-@compilable
-def _add_borders(
-    rows: list[Row], poses: Floats, i: int, corner: int, clearance: Clearance, arena: Arena
-) -> None:
-    """A corner of i against the arena's sides."""
-    rx, ry = _corner(poses, i, corner, clearance.half_side)
-    x, y, c, s = poses[i, 0] + rx, poses[i, 1] + ry, cos(poses[i, 2]), sin(poses[i, 2])
-    for nx, ny, h in (
-        (1.0, 0.0, x - arena.x_low),
-        (-1.0, 0.0, arena.x_high - x),
-        (0.0, 1.0, y - arena.y_low),
-        (0.0, -1.0, arena.y_high - y),
-    ):
-        if h < inf:
-            least = -clearance.rate * max(h - clearance.distance, 0.0)
-            rows.append((i, i, nx * c + ny * s, ny * rx - nx * ry, 0.0, 0.0, least))
 
 
 @compilable
@@ -229,16 +85,17 @@ def _nearest(rows: list[Row], twists: Floats, freedoms: Floats, arm: float) -> F
     """The least change that meets all rows, by Hildreth's method."""
     x, turning = twists.copy(), 1.0 / (arm * arm)
     pressed = np.zeros(len(rows))  # the multipliers
+    sizes = np.array([_size(row, freedoms, turning) for row in rows])
     for _ in range(_SWEEPS):
         moved = 0.0
         for k in range(len(rows)):
-            i, j, iv, iw, jv, jw, least = rows[k]
-            fi, fj = freedoms[i], freedoms[j]
-            size = fi * (iv * iv + turning * iw * iw) + fj * (jv * jv + turning * jw * jw)
-            if size == 0.0:
+            size, (i, j, iv, iw, jv, jw, least) = sizes[k], rows[k]
+            missing = least - _rate(rows[k], x)
+            if size == 0.0 or (missing <= 0.0 and pressed[k] == 0.0):
                 continue
-            press = max(pressed[k] + (least - _rate(rows[k], x)) / size, 0.0) - pressed[k]
+            press = max(pressed[k] + missing / size, 0.0) - pressed[k]
             pressed[k] += press
+            fi, fj = freedoms[i], freedoms[j]
             x[i, 0] += fi * press * iv
             x[i, 1] += fi * press * turning * iw
             x[j, 0] += fj * press * jv
@@ -247,6 +104,14 @@ def _nearest(rows: list[Row], twists: Floats, freedoms: Floats, arm: float) -> F
         if moved < _EXACT:
             break
     return _slowed(rows, x, freedoms)
+
+
+@compilable
+def _size(row: Row, freedoms: Floats, turning: float) -> float:
+    """How much a row's rate gains by being pressed."""
+    i, j, iv, iw, jv, jw, _ = row
+    one = freedoms[i] * (iv * iv + turning * iw * iw)
+    return float(one + freedoms[j] * (jv * jv + turning * jw * jw))
 
 
 @compilable

@@ -176,6 +176,14 @@ def _along_arc(
 ) -> tuple[float, float, float]:
     """End of an arc of length ``way`` [m] that turns by ``turn`` [rad]."""
     half = 0.5 * turn
-    # sin(half)/half; below 1e-4 its series is exact to the last bit
-    chord = way * (sin(half) / half if abs(half) > 1e-4 else 1.0 - half * half / 6.0)
+    chord = way * _sine_ratio(half)
     return x + chord * cos(theta + half), y + chord * sin(theta + half), theta + turn
+
+
+@compilable
+def _sine_ratio(angle: float) -> float:
+    """sin(angle) / angle; by its series, exact to the last bit, where that ends soon."""
+    if abs(angle) > 0.05:
+        return sin(angle) / angle
+    square = angle * angle
+    return 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))

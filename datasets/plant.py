@@ -46,14 +46,14 @@ def motion_after(motion: Motion, goal_v: float, goal_omega: float, lag: float, d
         return motion
     x, y, theta, v, omega = motion
     dv, dw = v - goal_v, omega - goal_omega
-    for node in (_EARLY, _LATE):
+    early, late = (exp(-_EARLY * dt / lag), exp(-_LATE * dt / lag)) if lag > 0.0 else (0.0, 0.0)
+    for node, decay in ((_EARLY, early), (_LATE, late)):
         s = node * dt
-        decay = exp(-s / lag) if lag > 0.0 else 0.0
         heading = theta + goal_omega * s + dw * lag * (1.0 - decay)
         way = 0.5 * dt * (goal_v + dv * decay)
         x += way * cos(heading)
         y += way * sin(heading)
-    decay = exp(-dt / lag) if lag > 0.0 else 0.0
+    decay = early * late  # the nodes share out the step
     theta += goal_omega * dt + dw * lag * (1.0 - decay)
     return x, y, theta, goal_v + dv * decay, goal_omega + dw * decay
 

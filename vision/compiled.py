@@ -37,18 +37,6 @@ def compiled(function: Callable[P, R]) -> Callable[P, R]:
     return _kept(function, {"nogil": True})
 
 
-def compiled_side_by_side(function: Callable[P, R]) -> Callable[P, R]:
-    """Compile a function whose `prange` loops run on all cores.
-
-    Args:
-        function: as for `compiled`; its turns must not depend on each other.
-
-    Returns:
-        The function, compiled.
-    """
-    return _kept(function, {"nogil": True, "parallel": True})
-
-
 def compiled_part(function: Callable[P, R]) -> Callable[P, R]:
     """Compile a function that only compiled functions call; half the work for the compiler.
 

@@ -16,18 +16,14 @@ class Filters(NamedTuple):
     """What the host believes of the robots.
 
     Attributes:
-        times: (2,) of the estimates (NaN before the first frame), and of `ahead` [s].
-        states: estimates of poses and velocities.
-        gains: estimates of the drive gains.
-        covariance: (R, 7, 7) of both.
-        ahead: every robot's state, rolled forward.
+        means: (R, 7) estimates of states and drive gains.
+        covariance: (R, 7, 7) of them.
+        ahead: (R, 5) every robot's state, rolled forward.
     """
 
-    times: Floats
-    states: list[UnicycleState]
-    gains: list[DriveGain]
+    means: Floats
     covariance: Floats
-    ahead: list[UnicycleState]
+    ahead: Floats
 
 
 @compilable
@@ -40,63 +36,96 @@ def nothing_seen(count: int) -> Filters:
     Returns:
         Filters that know nothing.
     """
-    states = [UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0) for _ in range(count)]
-    gains = [DriveGain(1.0, 1.0) for _ in range(count)]
-    return Filters(np.full(2, np.nan), states, gains, np.zeros((count, 7, 7)), states.copy())
+    means = np.zeros((count, 7))
+    means[:, 5:] = 1.0
+    return Filters(means, np.zeros((count, 7, 7)), np.zeros((count, 5)))
+
+
+@compilable
+def state_of(table: Floats, robot: int) -> UnicycleState:
+    """A robot's state in a table.
+
+    Args:
+        table: (R, 5 or more) x, y, theta, v, omega.
+        robot: number of the robot.
+
+    Returns:
+        Pose and velocities.
+    """
+    return UnicycleState(
+        table[robot, 0], table[robot, 1], table[robot, 2], table[robot, 3], table[robot, 4]
+    )
+
+
+@compilable
+def gain_of(means: Floats, robot: int) -> DriveGain:
+    """A robot's drive gains.
+
+    Args:
+        means: (R, 7) as in `Filters`.
+        robot: number of the robot.
+
+    Returns:
+        Estimates of both.
+    """
+    return DriveGain(means[robot, 5], means[robot, 6])
 
 
 @compilable
 def see(
-    filters: Filters, host: Host, noise: Floats, measured: Floats, t: float, sent: Floats,
-    ticks: tuple[int, int],
+    filters: Filters, host: Host, noise: Floats, measured: Floats, t0: float, t1: float,
+    sent: Floats, ticks: tuple[int, int],
 ) -> None:  # fmt: skip
-    """Correct all filters by a frame.
+    """Correct all filters by a frame, as `estimation.predict` and `estimation.correct`.
 
     Args:
         filters: of all robots.
         host: motion models.
         noise: (2, 3, 3) covariance of a first measured pose, and of all others.
         measured: (R, 3) poses [m, m, rad].
-        t: the frame's stamp [s].
+        t0: the stamp of the frame before, NaN for the first [s].
+        t1: the frame's stamp [s].
         sent: (T, R, 2) commands.
         ticks: first tick with commands, and the present one.
     """
-    first, t0 = np.isnan(filters.times[0]), filters.times[0]
-    model = host.motion if ticks[0] < ticks[1] else host.free_motion
+    model, means = host.motion if ticks[0] < ticks[1] else host.free_motion, filters.means
     for robot in range(len(measured)):
-        if first:
-            _begin(filters.covariance[robot], host.free_motion, noise[0])
-            x, y, theta = measured[robot]
-            filters.states[robot] = UnicycleState(x, y, theta, 0.0, 0.0)
+        covariance = filters.covariance[robot]
+        if np.isnan(t0):
+            _begin(covariance, host.free_motion, noise[0])
+            means[robot, :3] = measured[robot]
         else:
-            old, gain = filters.states[robot], filters.gains[robot]
-            new = roll_through(old, t0, t, sent, robot, ticks, host, gain)
-            filters.states[robot], filters.gains[robot] = _corrected(
-                filters.covariance[robot], old, new, gain, t - t0, model, measured[robot], noise[1]
+            old, gain = state_of(means, robot), gain_of(means, robot)
+            new = roll_through(old, t0, t1, sent, robot, ticks, host, gain)
+            f = transition(old, new, t1 - t0, model.lag, gain)
+            before = propagate(covariance, f, process_noise(old, new, t1 - t0, model))
+            state, gain, covariance[:] = correct_by_pose(
+                new, gain, before, measured[robot], noise[1]
             )
-        filters.ahead[robot] = filters.states[robot]
-    filters.times[0] = filters.times[1] = t
+            _put(means, robot, state)
+            means[robot, 5], means[robot, 6] = gain.v, gain.omega
+        filters.ahead[robot] = means[robot, :5]
 
 
 @compilable
 def roll_ahead(
-    filters: Filters, host: Host, t: float, sent: Floats, ticks: tuple[int, int]
-) -> None:
+    ahead: Floats, means: Floats, host: Host, t0: float, t1: float, sent: Floats,
+    ticks: tuple[int, int],
+) -> None:  # fmt: skip
     """Roll all states forward to the moment when the next commands take effect.
 
     Args:
-        filters: of all robots.
+        ahead: (R, 5) states at t0, replaced.
+        means: (R, 7) as in `Filters`.
         host: motion models.
-        t: that moment [s].
+        t0: the moment they are rolled from [s].
+        t1: the moment when the next commands take effect [s].
         sent: (T, R, 2) commands.
         ticks: first tick with commands, and the present one.
     """
-    t0, ahead = filters.times[1], filters.ahead
     for robot in range(len(ahead)):
-        ahead[robot] = roll_through(
-            ahead[robot], t0, t, sent, robot, ticks, host, filters.gains[robot]
-        )
-    filters.times[1] = t
+        state, gain = state_of(ahead, robot), gain_of(means, robot)
+        _put(ahead, robot, roll_through(state, t0, t1, sent, robot, ticks, host, gain))
 
 
 @compilable
@@ -137,21 +166,14 @@ def roll_through(
 
 
 @compilable
+def _put(table: Floats, robot: int, state: UnicycleState) -> None:
+    table[robot, 0], table[robot, 1], table[robot, 2] = state.x, state.y, state.theta
+    table[robot, 3], table[robot, 4] = state.v, state.omega
+
+
+@compilable
 def _begin(covariance: Floats, model: MotionModel, noise: Floats) -> None:
     """As `estimation.initial_estimate`: the model's doubt of velocities and gains."""
     covariance[:3, :3] = noise
     covariance[3, 3], covariance[4, 4] = model.initial_v_std**2, model.initial_omega_std**2
     covariance[5, 5] = covariance[6, 6] = model.gain_std**2
-
-
-@compilable
-def _corrected(
-    covariance: Floats, old: UnicycleState, new: UnicycleState, gain: DriveGain, dt: float,
-    model: MotionModel, pose: Floats, noise: Floats,
-) -> tuple[UnicycleState, DriveGain]:  # fmt: skip
-    """As `estimation.predict` and `estimation.correct`; the covariance (7, 7) is written over."""
-    f = transition(old, new, dt, model.lag, gain)
-    before = propagate(covariance, f, process_noise(old, new, dt, model))
-    mean = np.array((new.x, new.y, new.theta, new.v, new.omega, gain.v, gain.omega))
-    m, covariance[:] = correct_by_pose(mean, before, pose, noise)
-    return UnicycleState(m[0], m[1], m[2], m[3], m[4]), DriveGain(m[5], m[6])

@@ -1,138 +1,177 @@
 """The host's laws in one run: the leader's, then every follower's; the functions of control/."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from control.channel import ChannelMemory
 from control.compilable import compilable
 from control.follower import FollowerMemory, FollowerSample, SlidingGains
 from control.leader import LeaderMemory, begin_leader, lead
 from control.output import (
-    FollowerOutput,
     LeaderMotion,
     WantedOutput,
     pair_output,
     two_leaders_output,
 )
 from control.plan import PlannedMotion
-from control.relative import Vector2, relative_state
+from control.relative import RelativeState, relative_state
 from control.sliding import begin, follow
 from control.unicycle import UnicycleState
-from datasets.simulation.filters import Filters
-from datasets.simulation.inputs import Field, Floats, Gains, Host, Integers
+from control.value import value
+from datasets.simulation.filters import gain_of, state_of
+from datasets.simulation.inputs import Field, Floats, Gains, Host
+
+
+@value
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What a robot is told to do.
+
+    Attributes:
+        one: whom it follows, -1 for nobody.
+        two: whom else, -1 for nobody.
+        told: whether it is told what acceleration its leaders are commanded.
+        gains: its law and gains.
+    """
+
+    one: int
+    two: int
+    told: bool
+    gains: SlidingGains
 
 
 class Laws(NamedTuple):
     """The laws of all robots.
 
     Attributes:
-        gains: law and gains by robot.
+        roles: by robot.
         leader: one memory, of the formation's leader.
         followers: memories by robot.
-        given: accelerations that the last commands give, by robot [m/s^2, rad/s^2].
-        begun: (1,) whether the laws run.
+        given: (R, 2) accelerations that the last commands give [m/s^2, rad/s^2].
     """
 
-    gains: list[SlidingGains]
+    roles: list[Role]
     leader: list[LeaderMemory]
     followers: list[FollowerMemory]
-    given: list[Vector2]
-    begun: NDArray[np.bool_]
+    given: Floats
 
 
 @compilable
-def laws_at_rest(gains: Gains, kinds: Integers) -> Laws:
+def laws_at_rest(gains: Gains, field: Field) -> Laws:
     """Laws that have not begun.
 
     Args:
         gains: the followers' laws and gains.
-        kinds: (R,) which of them is a robot's.
+        field: who follows whom, with which of them.
 
     Returns:
         The laws.
     """
-    rest, own = (0.0, 0.0), [gains[kind] for kind in kinds]
+    rest, roles = (0.0, 0.0), []
+    for robot, kind in enumerate(field.gains):
+        one, two = field.leaders[robot]
+        roles.append(Role(one, two, field.told[robot], gains[kind]))
     leader = [LeaderMemory(rest, rest, rest, rest, True)]
     channel = ChannelMemory(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    followers = [FollowerMemory(channel, channel, rest, True) for _ in kinds]
-    return Laws(own, leader, followers, [rest for _ in kinds], np.zeros(1, np.bool_))
+    followers = [FollowerMemory(channel, channel, rest, True) for _ in roles]
+    return Laws(roles, leader, followers, np.zeros((len(roles), 2)))
 
 
 @compilable
-def steer(
-    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, rates: Floats,
+def lead_on(
+    laws: Laws, ahead: Floats, means: Floats, host: Host, planned: Floats, begins: bool,
     commands: Floats,
 ) -> None:  # fmt: skip
-    """One sample of every law.
+    """One sample of the leader's law.
 
     Args:
         laws: with their memories.
-        filters: states at the moment the commands take effect.
+        ahead: (R, 5) states at the moment the commands take effect.
+        means: (R, 7) as in `Filters`.
         host: models.
-        field: references and who follows whom.
-        mission: tick of the mission.
-        rates: (R, 2) h'(0), for laws that begin.
+        planned: (7,) as in `Field`, of the present tick.
+        begins: whether the laws begin.
         commands: (R, 2) filled with v and omega.
     """
-    ahead, gains, begun, dt = filters.ahead, filters.gains, laws.begun[0], host.period
-    x, y, theta, v, omega, v_rate, omega_rate = field.planned[mission]
+    x, y, theta, v, omega, v_rate, omega_rate = planned
     plan = PlannedMotion(UnicycleState(x, y, theta, v, omega), v_rate, omega_rate)
-    first = laws.leader[0] if begun else begin_leader(ahead[0], plan, host.leader)
-    actuation = host.follower.actuation
-    laws.leader[0], twist = lead(first, ahead[0], plan, dt, host.leader, actuation, gains[0])
-    laws.given[0] = laws.leader[0].acceleration
+    state, gain, motors = state_of(ahead, 0), gain_of(means, 0), host.follower.actuation
+    memory = begin_leader(state, plan, host.leader) if begins else laws.leader[0]
+    memory, twist = lead(memory, state, plan, host.period, host.leader, motors, gain)
+    laws.leader[0] = memory
+    laws.given[0, 0], laws.given[0, 1] = memory.acceleration
     commands[0, 0], commands[0, 1] = twist.v, twist.omega
+
+
+@compilable
+def follow_on(
+    laws: Laws, ahead: Floats, means: Floats, host: Host, wanted: Floats, rates: Floats,
+    begins: bool, commands: Floats,
+) -> None:  # fmt: skip
+    """One sample of every follower's law.
+
+    Args:
+        laws: with their memories.
+        ahead: (R, 5) states at the moment the commands take effect.
+        means: (R, 7) as in `Filters`.
+        host: models.
+        wanted: (R, 6) as in `Field`, of the present tick.
+        rates: (R, 2) h'(0), for laws that begin.
+        begins: whether the laws begin.
+        commands: (R, 2) filled with v and omega.
+    """
+    roles, memories, given, model = laws.roles, laws.followers, laws.given, host.follower
     for robot in range(1, len(commands)):
-        kind, memory = laws.gains[robot], laws.followers[robot]
-        sample = sample_of(laws, filters, host, field, mission, robot, field.told[robot])
-        if not begun:
+        role, memory = roles[robot], memories[robot]
+        sample = sample_of(ahead, means, given, wanted, robot, role, role.told, model.camera_offset)
+        if begins:
             rate = rates[robot, 0], rates[robot, 1]
-            memory = begin(sample.output, sample.wanted, rate, kind)
-        memory, twist = follow(memory, sample, dt, kind, host.follower)
-        laws.followers[robot], laws.given[robot] = memory, memory.acceleration
+            memory = begin(sample.output, sample.wanted, rate, role.gains)
+        memory, twist = follow(memory, sample, host.period, role.gains, model)
+        memories[robot] = memory
+        given[robot, 0], given[robot, 1] = memory.acceleration
         commands[robot, 0], commands[robot, 1] = twist.v, twist.omega
-    laws.begun[0] = True
 
 
 @compilable
 def sample_of(
-    laws: Laws, filters: Filters, host: Host, field: Field, mission: int, robot: int, told: bool
-) -> FollowerSample:
+    ahead: Floats, means: Floats, given: Floats, wanted: Floats, robot: int, role: Role,
+    told: bool, d: float,
+) -> FollowerSample:  # fmt: skip
     """What a follower's law sees.
 
     Args:
-        laws: with the accelerations that all robots are commanded.
-        filters: states at the moment the commands take effect.
-        host: camera offset.
-        field: references and who follows whom.
-        mission: tick of the mission.
+        ahead: (R, 5) states at the moment the commands take effect.
+        means: (R, 7) as in `Filters`.
+        given: (R, 2) accelerations that all robots are commanded.
+        wanted: (R, 6) as in `Field`, of the present tick.
         robot: number of the follower.
+        role: says whom it follows.
         told: whether it knows what its leaders are commanded.
+        d: camera offset [m].
 
     Returns:
         The sample.
     """
-    ahead, w = filters.ahead, field.wanted[mission, robot]
-    one, two = field.leaders[robot, 0], field.leaders[robot, 1]
-    output = _output(ahead, laws.given, robot, one, two, told, host.follower.camera_offset)
-    wanted = WantedOutput((w[0], w[1]), (w[2], w[3]), (w[4], w[5]))
-    return FollowerSample(output, wanted, ahead[robot].twist, filters.gains[robot])
+    own = state_of(ahead, robot)
+    relative, motion = _seen(ahead, given, own, role.one, told, d)
+    if role.two < 0:
+        output = pair_output(relative, own.twist, motion, d)
+    else:
+        other, other_motion = _seen(ahead, given, own, role.two, told, d)
+        output = two_leaders_output((relative, other), own.twist, (motion, other_motion), d)
+    h, rate = (wanted[robot, 0], wanted[robot, 1]), (wanted[robot, 2], wanted[robot, 3])
+    aim = WantedOutput(h, rate, (wanted[robot, 4], wanted[robot, 5]))
+    return FollowerSample(output, aim, own.twist, gain_of(means, robot))
 
 
 @compilable
-def _output(
-    ahead: list[UnicycleState], given: list[Vector2], robot: int, one: int, two: int, told: bool,
-    d: float,
-) -> FollowerOutput:  # fmt: skip
-    """From what is believed and known of its leaders; `two` is -1 without a second one."""
-    own, state, rest = ahead[robot], ahead[one], (0.0, 0.0)
+def _seen(
+    ahead: Floats, given: Floats, own: UnicycleState, leader: int, told: bool, d: float
+) -> tuple[RelativeState, LeaderMotion]:
+    """What is believed and known of a leader."""
+    state, known = state_of(ahead, leader), (given[leader, 0], given[leader, 1])
     relative = relative_state(state.pose, own.pose, d)
-    motion = LeaderMotion(state.twist, given[one] if told else rest)
-    if two < 0:
-        return pair_output(relative, own.twist, motion, d)
-    state = ahead[two]
-    other = relative_state(state.pose, own.pose, d)
-    other_motion = LeaderMotion(state.twist, given[two] if told else rest)
-    return two_leaders_output((relative, other), own.twist, (motion, other_motion), d)
+    return relative, LeaderMotion(state.twist, known if told else (0.0, 0.0))

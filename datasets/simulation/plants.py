@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from math import inf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from control.compilable import compilable
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
 from datasets.plant import GRID, SLACK, Motion, motion_after, wave
-from datasets.simulation.inputs import Floats, Integers
+from datasets.simulation.inputs import Floats
 
 
 @value
@@ -67,97 +66,95 @@ class Leg:
         return motion_after(self.motion, self.goal_v, self.goal_omega, self.lag, t - self.t)
 
 
-class Plants(NamedTuple):
-    """The robots of one run.
+@value
+@dataclass(frozen=True, slots=True)
+class Vehicle:
+    """A robot on its way.
 
     Attributes:
-        kinds: every robot as it really is.
-        legs: the present leg of every robot.
-        drives: the command that every robot obeys, as it was sent.
-        next: (R, 3) numbers of the next grid point, command and picture of every robot.
-        poses: (F, R, 3) where robots are in every picture.
+        plant: as it really is.
+        leg: the present one.
+        drive: the command that it obeys, as it was sent; NaN before the first.
+        grid: number of the next grid point.
+        command: tick of the next command.
+        picture: number of the next picture.
     """
 
-    kinds: list[Plant]
-    legs: list[Leg]
-    drives: list[Twist]
-    next: Integers
-    poses: Floats
+    plant: Plant
+    leg: Leg
+    drive: Twist
+    grid: int
+    command: int
+    picture: int
 
 
 @compilable
-def place(starts: Floats, plants: Floats, pictures: int, first_command: int) -> Plants:
+def place(starts: Floats, plants: Floats, first_command: int) -> list[Vehicle]:
     """Put the robots on the floor.
 
     Args:
         starts: (R, 5) as in `Field`.
         plants: (R, 7) as in `Field`.
-        pictures: how many will be taken.
         first_command: first tick with commands.
 
     Returns:
         The robots at t = 0.
     """
-    count, kinds, legs = len(starts), [], []
-    following = np.empty((count, 3), np.int64)
-    for robot in range(count):
+    vehicles = []
+    for robot in range(len(starts)):
         lag, mass, inertia, v_most, omega_most, v_push, omega_push = plants[robot]
         limits = SpeedLimits(v_most, omega_most)
-        kinds.append(Plant(lag, mass, inertia, limits, v_push, omega_push))
+        plant = Plant(lag, mass, inertia, limits, v_push, omega_push)
         x, y, theta, v, omega = starts[robot]
-        legs.append(Leg(0.0, (x, y, theta, v, omega), v, omega, lag))
-        following[robot, 0], following[robot, 1], following[robot, 2] = 1, first_command, 0
-    drives = [Twist(np.nan, np.nan) for _ in range(count)]
-    return Plants(kinds, legs, drives, following, np.empty((pictures, count, 3)))
+        leg = Leg(0.0, (x, y, theta, v, omega), v, omega, lag)
+        vehicles.append(Vehicle(plant, leg, Twist(np.nan, np.nan), 1, first_command, 0))
+    return vehicles
 
 
 @compilable
 def drive_until(
-    plants: Plants, tick: int, period: float, delay: float, sent: Floats,
-    lost: NDArray[np.bool_], taken: Floats, tones: Floats,
-) -> None:  # fmt: skip
-    """Let all robots drive until a tick; pictures that fall due on the way are taken.
+    vehicle: Vehicle, robot: int, tick: int, period: float, delay: float, sent: Floats,
+    lost: NDArray[np.bool_], taken: Floats, poses: Floats, tones: Floats,
+) -> Vehicle:  # fmt: skip
+    """Let a robot drive until a tick; pictures that fall due on the way are taken.
 
     Args:
-        plants: the robots.
+        vehicle: the robot.
+        robot: its number.
         tick: number of the tick.
         period: between two ticks [s].
         delay: from a tick to the arrival of its commands [s].
         sent: (T, R, 2) commands of all ticks before this one.
         lost: (T, R) commands that never arrive.
         taken: (F,) when the pictures are taken, ascending [s].
+        poses: (F, R, 3) filled with where robots are in every picture.
         tones: (R, 2, TONES, 2) of the disturbances.
+
+    Returns:
+        The robot at the tick.
     """
-    t, following = tick * period, plants.next
-    for robot in range(len(plants.legs)):
-        leg, kind, drive = plants.legs[robot], plants.kinds[robot], plants.drives[robot]
-        while True:
-            while following[robot, 1] < tick and lost[following[robot, 1], robot]:
-                following[robot, 1] += 1
-            command, picture, due = (
-                following[robot, 1],
-                following[robot, 2],
-                following[robot, 0] * GRID,
-            )
-            arrival = command * period + delay if command < tick else inf
-            begin = due if abs(arrival - due) < SLACK else min(arrival, due)
-            while picture < len(taken) and taken[picture] <= min(begin, t):
-                motion = leg.at(taken[picture])
-                for axis in range(3):
-                    plants.poses[picture, robot, axis] = motion[axis]
-                picture += 1
-            following[robot, 2] = picture
-            if begin > t:
-                break
-            if arrival < begin + SLACK:
-                drive = Twist(sent[command, robot, 0], sent[command, robot, 1])
-                following[robot, 1] += 1
-            following[robot, 0] += begin == due
-            push = 0.0, 0.0
-            if kind.push_v > 0.0 or kind.push_omega > 0.0:
-                push = wave(tones[robot, 0], begin), wave(tones[robot, 1], begin)
-            leg = _next_leg(leg, begin, kind, drive, push)
-        plants.legs[robot], plants.drives[robot] = leg, drive
+    t, plant, leg, drive = tick * period, vehicle.plant, vehicle.leg, vehicle.drive
+    grid, command, picture = vehicle.grid, vehicle.command, vehicle.picture
+    while True:
+        while command < tick and lost[command, robot]:
+            command += 1
+        due, arrival = grid * GRID, command * period + delay if command < tick else inf
+        begin = due if abs(arrival - due) < SLACK else min(arrival, due)
+        while picture < len(taken) and taken[picture] <= min(begin, t):
+            motion = leg.at(taken[picture])
+            for axis in range(3):
+                poses[picture, robot, axis] = motion[axis]
+            picture += 1
+        if begin > t:
+            return Vehicle(plant, leg, drive, grid, command, picture)
+        if arrival < begin + SLACK:
+            drive = Twist(sent[command, robot, 0], sent[command, robot, 1])
+            command += 1
+        grid += begin == due
+        push = 0.0, 0.0
+        if plant.push_v > 0.0 or plant.push_omega > 0.0:
+            push = wave(tones[robot, 0], begin), wave(tones[robot, 1], begin)
+        leg = _next_leg(leg, begin, plant, drive, push)
 
 
 @compilable

@@ -3,17 +3,16 @@
 from math import cos, hypot, inf, nan, sin, sqrt
 
 import numpy as np
-from numba import prange
 
 from control.compilable import compilable
 from control.geometry import Pose2D, wrap_angle
 from control.relative import relative_state
 from datasets.scores import LAST_SHARE, SETTLED_BEARING, SETTLED_DISTANCE
 from datasets.simulation.inputs import Chance, Figures, Floats, Goals, Integers, Trace
-from vision.compiled import compiled_side_by_side
+from vision.compiled import compiled
 
 
-@compiled_side_by_side
+@compiled
 def score_batch(goals: Goals, chance: Chance, trace: Trace, figures: Figures) -> None:
     """Score N runs.
 
@@ -23,7 +22,7 @@ def score_batch(goals: Goals, chance: Chance, trace: Trace, figures: Figures) ->
         trace: what the runs were.
         figures: filled.
     """
-    for run in prange(len(chance.ticks)):
+    for run in range(len(chance.ticks)):
         _score(goals, chance, trace, figures, run)
 
 
@@ -43,28 +42,37 @@ def _follower(goals: Goals, states: Floats, mission: Integers, robot: int, figur
     end = (len(mission) - 1) * goals.period
     late = end - LAST_SHARE * end
     squares, most, count = np.zeros(2), np.full(2, nan), 0
-    speeds, settled, waiting = np.zeros(2), nan, True
+    speeds = np.zeros(2)
     for tick in range(len(mission)):
         if mission[tick] < 0:
             continue
-        error = _error(goals, states[tick], mission[tick], robot)
         for index in range(2):
             speeds[index] = max(speeds[index], abs(states[tick, robot, 3 + index]))
         if tick * goals.period >= late:
+            error = _error(goals, states[tick], mission[tick], robot)
             count += 1
             for index in range(2):
                 squares[index] += error[index] ** 2
                 most[index] = np.fmax(most[index], error[index])
-        t = mission[tick] * goals.period
-        if t < goals.settles_by[robot]:
-            away = error[0] >= SETTLED_DISTANCE or error[1] >= SETTLED_BEARING
-            settled = nan if away else t if waiting else settled
-            waiting = away
     for index in range(2):
         figures[2 * index] = sqrt(squares[index] / count) if count > 0 else nan
         figures[2 * index + 1] = most[index]
         figures[5 + index] = speeds[index] if mission[-1] >= 0 else nan
-    figures[4] = settled
+    figures[4] = _settled_at(goals, states, mission, robot)
+
+
+@compilable
+def _settled_at(goals: Goals, states: Floats, mission: Integers, robot: int) -> float:
+    """Since when a follower's errors have been small, looking back from the shape's change."""
+    settled = nan
+    for tick in range(len(mission) - 1, -1, -1):
+        t = mission[tick] * goals.period
+        if mission[tick] >= 0 and t < goals.settles_by[robot]:
+            error = _error(goals, states[tick], mission[tick], robot)
+            if error[0] >= SETTLED_DISTANCE or error[1] >= SETTLED_BEARING:
+                break
+            settled = t
+    return settled
 
 
 @compilable
@@ -101,12 +109,12 @@ def _leader(goals: Goals, states: Floats, mission: Integers) -> float:
 @compilable
 def _clearance(states: Floats, side: float) -> float:
     """Least distance between two bodies; most pairs are too far apart to matter."""
-    least, count = inf, states.shape[1]
+    least, count, diagonal = inf, states.shape[1], sqrt(2.0) * side
     for tick in range(len(states)):
         for one in range(count):
             for other in range(one + 1, count):
                 a, b = states[tick, one], states[tick, other]
-                if hypot(b[0] - a[0], b[1] - a[1]) - sqrt(2.0) * side < least:
+                if (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 < (least + diagonal) ** 2:
                     least = min(least, _gap(a, b, side))
     return least
 

@@ -1,6 +1,9 @@
-"""Many runs of an experiment, some at a time: between them there is time for Ctrl-C."""
+"""Many runs of an experiment, some at a time on all cores: between them is time for Ctrl-C."""
 
+import os
+from collections import deque
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +16,7 @@ from pipeline.simulation.draw import Drawer, Drawn
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.timetable import Timetable
 
-AT_A_TIME = 64
+AT_A_TIME = 32
 """Runs of one call of machine code at most."""
 
 MEMORY = 64e6
@@ -66,10 +69,18 @@ def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
     Yields:
         The runs in their order, some together.
     """
-    drawer, row = Drawer(experiment), 100.0 * len(experiment.plants)
-    together = max(1, min(AT_A_TIME, int(MEMORY / (row * experiment.ticks))))
-    for first in range(0, len(seeds), together):
-        yield run_some(experiment, drawer.draw(seeds[first : first + together]))
+    drawer, row, cores = Drawer(experiment), 100.0 * len(experiment.plants), os.cpu_count() or 1
+    most = max(1, min(AT_A_TIME, int(MEMORY / (row * experiment.ticks))))
+    together = min(most, -(-len(seeds) // cores)) or 1
+    with ThreadPoolExecutor(cores) as pool:  # machine code needs no interpreter's lock
+        begun = deque[Future[Batch]]()
+        for first in range(0, len(seeds), together):
+            drawn = drawer.draw(seeds[first : first + together])
+            begun.append(pool.submit(run_some, experiment, drawn))
+            if len(begun) > cores:
+                yield begun.popleft().result()
+        while begun:
+            yield begun.popleft().result()
 
 
 def load_kernel(experiment: Experiment) -> None:

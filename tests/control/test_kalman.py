@@ -67,7 +67,9 @@ def test_correction_agrees_with_filterpy(seed: int) -> None:
     covariance, noise = covariance_of(rng, SCALES), covariance_of(rng, SCALES[:3])
     measured = mean[:3] + rng.normal(size=3) * SCALES[:3] + (0.0, 0.0, 2.0 * pi)
     slow = correct(Estimate(0.0, mean.copy(), covariance.copy()), Pose2D(*measured), noise)
-    quick_mean, quick = fast_correct(mean, covariance, measured, noise)
+    state, gain = UnicycleState(*mean[:5].tolist()), DriveGain(*mean[5:].tolist())
+    s, g, quick = fast_correct(state, gain, covariance, measured, noise)
+    quick_mean = np.array((s.x, s.y, s.theta, s.v, s.omega, g.v, g.omega))
     assert relative_gap(quick, slow.covariance) < 1e-12
     assert np.max(np.abs(quick_mean - slow.mean) / (1.0 + np.abs(slow.mean))) < 1e-12
     assert np.array_equal(quick, quick.T)
