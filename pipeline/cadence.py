@@ -38,10 +38,12 @@ class _Times:
         self._kept, self.greatest = Thinned(1), -inf
 
     def add(self, duration: float) -> None:
+        """Take one [s]."""
         self._kept.add((duration,))
         self.greatest = max(self.greatest, duration)
 
     def kept(self) -> NDArray[np.float64]:
+        """Those that were not let go, shape (N,) [s]."""
         return self._kept.table()[:, 0]
 
 

@@ -30,12 +30,7 @@ def run_batch(host: Host, gains: Gains, field: Field, chance: Chance, trace: Tra
 def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int) -> None:
     """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
     first, end, ticks = chance.ticks[run]
-    period, delay, sent, rates = (
-        host.period,
-        host.delay,
-        trace.commands[run],
-        chance.rates[run].copy(),
-    )
+    period, delay, sent = host.period, host.delay, trace.commands[run]
     lost, taken, tones = chance.lost[run], chance.taken[run], chance.tones[run]
     vehicles = place(field.starts, field.plants, first)
     rates = chance.rates[run].copy()

@@ -14,8 +14,7 @@ from control.profile import TanhStep
 from control.unicycle import Twist, UnicycleState
 from datasets.cycle import Cycle, Moment, RobotState, SafetyEvent, Tick, Timing
 from datasets.scores import Motions, follower_errors, follower_score, settled_at
-from datasets.sightings import STRANGER, Sightings, sighted, vision_score
-from datasets.track import TruthTrack
+from datasets.sightings import Sightings
 from datasets.truth import RunResult, Scores
 from vision.camera import overhead_camera
 from vision.frame import as_frame
@@ -117,15 +116,15 @@ def test_detections_half_a_side_away_are_false() -> None:
 
 
 def test_a_stranger_in_a_robots_place_is_false_and_finds_nobody() -> None:
-    there = np.array([[[0.0, 0.0, 0.0, 0.0, 0.0], [0.5, 0.4, 0.0, 0.0, 0.0]]])
-    track = TruthTrack(np.array([0.0, 1.0]), np.repeat(there, 2, axis=0))
-    pose = np.array([[0.5, 0.4, 0.0]])
-    frame = np.array([0])
-    for place, recall in ((STRANGER, 0.0), (1, 0.5)):
-        seen = Sightings(np.array([0.5]), frame, np.array([place]), pose)
-        score = vision_score(seen, track, CAMERA, 0.075)
-        assert (score.recall, score.false_ids) == (recall, int(place == STRANGER))
-        assert [s.frames for s in sighted(seen, (1, 2))] == [0, int(place == 1)]
+    there = (0.0, 0.0, 0.0, 0.0, 0.0), (0.5, 0.4, 0.0, 0.0, 0.0)
+    for stranger, recall in ((9, 0.0), (2, 0.5)):
+        sightings = Sightings((1, 2), CAMERA, 0.075)
+        state = UnicycleState(*there[1])
+        sightings.take(0.5, there, seen((RobotState(stranger, state),), 0.5, 0.0))
+        score = sightings.score()
+        assert score is not None
+        assert (score.recall, score.false_ids) == (recall, int(stranger == 9))
+        assert [s.frames for s in sightings.sighted()] == [0, int(stranger == 2)]
 
 
 def test_counts_times_and_events() -> None:
