@@ -172,7 +172,7 @@ def _of_the_program(soaked: Soaked) -> Iterator[tuple[str, str]]:
 
 def _of_the_world(truth: Truth) -> Iterator[tuple[str, str]]:
     told = [command[0] for robot in truth["robots"] for command in robot["commands"]]
-    begin, end = min(told) + SETTLING, max(told) - 0.5
+    begin, end = min(told, default=0.0) + SETTLING, max(told, default=0.0) - 0.5
     driven = [frame for frame in truth["frames"] if begin <= frame["t"] <= end]
     for follower in WANTED if driven else ():
         error = np.abs(errors(driven, follower))
@@ -203,7 +203,10 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], help="section.key=value")
     args = parser.parse_args()
     start = monotonic()
-    for name, figures in rows(soak(args.minutes, args.view, args.busy, args.set)):
+    soaked = soak(args.minutes, args.view, args.busy, args.set)
+    if not soaked.result:
+        sys.exit(f"the program ended with status {soaked.status} and no result")
+    for name, figures in rows(soaked):
         print(f"{name:72} {figures}")  # noqa: T201 (its output)
     print(f"took {monotonic() - start:.0f} s")  # noqa: T201
 
