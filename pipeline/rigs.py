@@ -138,7 +138,7 @@ def camera_request(camera: CameraConfig) -> CameraRequest:
 
 
 def make_world(scenario: Scenario, seed: int = 0) -> World:
-    """The simulated robots of a scenario.
+    """The simulated robots of a scenario, which stop themselves as Miabots do.
 
     Args:
         scenario: with a start for every robot.
@@ -150,7 +150,8 @@ def make_world(scenario: Scenario, seed: int = 0) -> World:
     Raises:
         ConfigError: if a robot has no start.
     """
-    return World(tuple(_plant(robot) for robot in scenario.robots), seed)
+    timeout = 1e-3 * scenario.radio.timeout_ms
+    return World(tuple(_plant(robot, timeout) for robot in scenario.robots), seed)
 
 
 def make_rendered_camera(
@@ -203,13 +204,13 @@ def _real_radio(
     return open_radio(spec, clock, settings, scenario.commanded, interrupted)
 
 
-def _plant(robot: RobotConfig) -> RobotPlant:
+def _plant(robot: RobotConfig, timeout: float) -> RobotPlant:
     if robot.start is None:
         raise ConfigError(f"robot {robot.id}: a rendered world needs its start (x_m, y_m)")
     return RobotPlant(
         robot.id, _state(robot.start), robot.lag_s, robot.mass_error, robot.inertia_error,
         disturbance=Disturbance(robot.disturbance_mps2, robot.turn_disturbance_radps2),
-        carried=_carried(robot, robot.start),
+        carried=_carried(robot, robot.start), timeout=timeout,
     )  # fmt: skip
 
 
