@@ -16,7 +16,7 @@ LAPS = 10
 _HALF, _BACK = "{radius_m=0.4,turn_deg=180.0}", "{straight_m=0.8}"
 _OVAL = ",".join(("{straight_m=1.0}", _HALF, *(2 * LAPS - 1) * (_BACK, _HALF)))
 REST = 8.0  # after a fault, in which the formation must have come right again [s]
-RIM = 0.1  # robots are put down so far inside of what the camera sees, at least [m]
+RIM, BORDER = 0.12, 0.03  # of the picture: where none is put down, and where none drives [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,17 +81,18 @@ def made(name: str) -> Made:
         The course.
     """
     course = COURSES[name]
-    scenario = load_scenario(course.scenario, course.overrides)
+    low, high = _view(load_scenario(course.scenario), BORDER)
+    arena = f"safety.arena_m=[{low.x},{low.y},{high.x},{high.y}]"
+    scenario = load_scenario(course.scenario, (*course.overrides, arena))
     setup = make_setup(scenario)
     plot = Plot(course.first, course.groups, REST, setup.formation.robots, scenario.commanded)
-    return Made(scenario, setup, make_renderer(scenario), plot, _room(scenario))
+    return Made(scenario, setup, make_renderer(scenario), plot, _view(scenario, RIM))
 
 
-def _room(scenario: Scenario) -> tuple[Pose2D, Pose2D]:
+def _view(scenario: Scenario, rim: float) -> tuple[Pose2D, Pose2D]:
+    """What the camera sees but for a rim of it [m]: the lower left and the upper right corner."""
     camera = scenario.camera
     (x, y), width = camera.center_m, 0.5 * camera.field_width_m
     height = width * camera.height_px / camera.width_px
-    return (
-        Pose2D(x - width + RIM, y - height + RIM, 0.0),
-        Pose2D(x + width - RIM, y + height - RIM, 0.0),
-    )
+    low = Pose2D(x - width + rim, y - height + rim, 0.0)
+    return low, Pose2D(x + width - rim, y + height - rim, 0.0)

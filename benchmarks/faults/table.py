@@ -50,9 +50,10 @@ def summary(missions: Sequence[Mission]) -> str:
     hours = sum(mission.verdict.end for mission in missions) / 3600.0
     faults = sum(len(o.faults) for mission in missions for o in mission.verdict.outcomes)
     last = [m.verdict.last_error for m in missions if not isnan(m.verdict.last_error)]
+    worst = 1e3 * max(last, default=0.0)
     return (
         f"{len(missions)} missions, {hours:.2f} h simulated, {faults} faults; worst distance error "
-        f"of a follower at the end of {len(last)} finished missions: {1e3 * max(last, default=0.0):.1f} mm"
+        f"of a follower at the end of {len(last)} finished missions: {worst:.1f} mm"
     )
 
 

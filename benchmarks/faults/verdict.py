@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.faults.drive import Driven
-from benchmarks.faults.promises import (
-    COMES_RIGHT, MOVING, RESUMES, STILL, Promises, Stand, promises_of,
-)  # fmt: skip
+from benchmarks.faults.promises import COMES_RIGHT, MOVING, RESUMES, STILL, Stand, promises_of
 from benchmarks.faults.script import Fault, Kind
 from control.command import Command, RobotId
 from control.unicycle import Twist
@@ -281,7 +279,7 @@ class _Court:
         offset, pairs = self._setup.follower.camera_offset, self._setup.formation.pairs
         errors = np.abs([follower_errors(self._base, pair, offset) for pair in pairs])
         small = (errors[..., 0] < SETTLED_DISTANCE) & ~(errors[..., 1] >= SETTLED_BEARING)
-        return small.all(axis=0), errors[..., 0].max(axis=0)
+        return np.asarray(small.all(axis=0)), np.asarray(errors[..., 0].max(axis=0))
 
 
 def _is_finite(command: Command) -> bool:
