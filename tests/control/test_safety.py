@@ -242,3 +242,14 @@ def test_what_motors_can_reach(v: float, omega: float, dt: float) -> None:
         _, u = motors.command(own, (sign * 1e6, sign * 1e6), dt, gain)
         assert own.v + dt * u[0] == pytest.approx(ends.v, abs=1e-9)
         assert own.omega + dt * u[1] == pytest.approx(ends.omega, abs=1e-9)
+
+
+def test_a_robot_that_cannot_obey_slows_those_it_is_near_and_nobody_else() -> None:
+    """The first is over the border and cannot turn back within the period."""
+    poses = np.array([[1.0, 0.0, 0.0], [0.85, 0.0, 0.0], [-1.0, 0.0, 0.3], [-1.0, 0.2, 0.3]])
+    twists = np.array([[0.8, 0.0], [0.7, 0.0], [0.5, 1.0], [0.5, 0.0]])
+    near = np.array([0.1, 1.0])
+    arena = Arena(-2.0, -2.0, 1.03, 2.0)
+    safe = fast(poses, twists, twists - near, twists + near, np.ones(4), CLEARANCE, arena)
+    assert np.abs(safe[:2]).max() < 0.1 * np.abs(twists[:2]).max()
+    np.testing.assert_array_equal(safe[2:], twists[2:])
