@@ -12,7 +12,7 @@ from pipeline.filming import make_renderer
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_setup
 
-LAPS = 10
+LAPS = 12
 _HALF, _BACK = "{radius_m=0.4,turn_deg=180.0}", "{straight_m=0.8}"
 _OVAL = ",".join(("{straight_m=1.0}", _HALF, *(2 * LAPS - 1) * (_BACK, _HALF)))
 REST = 8.0  # after a fault, in which the formation must have come right again [s]
@@ -38,13 +38,13 @@ class Course:
 
 COURSES: Mapping[str, Course] = {
     "paper, in laps": Course(
-        "paper", (f"leader.segments=[{_OVAL}]", "duration_s=42.0"), (2.0, 11.0), 3
+        "paper", (f"leader.segments=[{_OVAL}]", "duration_s=50.0"), (2.0, 10.0), 3
     ),
-    "paper": Course("paper", ("leader.speed_mps=0.3", "duration_s=12.0"), (1.0, 3.0)),
-    "cascade": Course("cascade", ("leader.speed_mps=0.3", "duration_s=11.0"), (1.0, 2.5)),
-    "diamond": Course("diamond", ("leader.speed_mps=0.3", "duration_s=11.0"), (1.0, 2.5)),
-    "obstacle": Course("obstacle", ("leader.speed_mps=0.15", "duration_s=13.0"), (1.0, 3.0)),
-    "hand-led": Course("hand-led", ("duration_s=13.0",), (1.0, 5.0)),
+    "paper": Course("paper", ("leader.speed_mps=0.25", "duration_s=16.0"), (1.0, 4.0)),
+    "cascade": Course("cascade", ("leader.speed_mps=0.2", "duration_s=16.0"), (1.0, 4.0)),
+    "diamond": Course("diamond", ("leader.speed_mps=0.2", "duration_s=16.0"), (1.0, 4.0)),
+    "obstacle": Course("obstacle", ("leader.speed_mps=0.12", "duration_s=16.0"), (1.0, 4.0)),
+    "hand-led": Course("hand-led", ("duration_s=16.0",), (1.0, 6.0)),
 }
 TURNS = ("paper, in laps", "cascade", "paper, in laps", "diamond", "paper", "paper, in laps",
          "obstacle", "hand-led")  # fmt: skip

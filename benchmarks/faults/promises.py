@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import inf
 
-from benchmarks.faults.script import OF_LINKS, Fault, Kind
+from benchmarks.faults.script import CATCHES_UP, OF_LINKS, Fault, Kind
 from control.command import RobotId
 from control.formation import Formation
 from pipeline.config import Scenario
@@ -19,7 +19,7 @@ MOTORS = 6.0  # lags: from full speed (1.5 m/s, 15 rad/s) below `STILL` [1]
 STILL = 0.005, 0.05  # a robot stands that is slower [m/s, rad/s]
 MOVING = 0.02, 0.2  # and moves that is faster [m/s, rad/s]
 RESUMES = 0.4  # from when it may move: a frame, its latency, two ticks, and motors [s]
-COMES_RIGHT = 6.0  # from when it may move until it is in its place: as long as from the start [s]
+COMES_RIGHT = 6.0  # from when all may move until they are in place: as from the start [s]
 CAMERA = (Kind.UNPLUGGED, Kind.FROZEN, Kind.OLD_STAMPS)
 AT_ONCE = (Kind.STALLED, Kind.SIGKILL)
 
@@ -104,6 +104,23 @@ class Promises:
             return self.still_until(fault)
         news = fault.begin + min(fault.size, fault.end - fault.begin)
         return max(fault.end, news + self.setup.rules.good_frames)
+
+    def right_within(self, group: Iterable[Fault]) -> float:
+        """How long after that followers may take to come to their places.
+
+        Args:
+            group: faults that were on together.
+
+        Returns:
+            The time [s].
+        """
+        left = [self.free_from(f) - f.begin for f in group if self._leaves_behind(f)]
+        return COMES_RIGHT + CATCHES_UP * max(left, default=0.0)
+
+    def _leaves_behind(self, fault: Fault) -> bool:
+        """Whether the leader drives on while followers stand."""
+        root = self.setup.formation.root
+        return fault.robot not in (None, root) or root not in self.driven
 
     def _waits(self, fault: Fault) -> Mapping[RobotId, float]:
         """How long after its begin each robot stands."""

@@ -47,6 +47,7 @@ ENDS = (Kind.GONE, Kind.SIGTERM, Kind.SIGKILL)
 
 OF_ROBOTS, OF_LINKS = (Kind.COVERED, Kind.TAKEN), (Kind.CLOSED, Kind.BLOCKED)
 SIZES = {Kind.OLD_STAMPS: (0.35, 0.9), Kind.CLOCK_STEP: (-3600.0, 3600.0)}
+CATCHES_UP = 2.0  # time there is to catch up, per time a leader may have driven on alone [1]
 PAIRS = 0.35  # share of the faults during which another one begins
 
 
@@ -119,7 +120,7 @@ class Plot:
     Attributes:
         first: the first group begins between these two [s].
         groups: number of groups of faults.
-        rest: between the end of a group and the begin of the next [s].
+        rest: between the end of a group and the begin of the next, at least [s].
         robots: who can be covered.
         driven: who has a link; only they can be taken away.
         ending: share of the missions whose last fault ends them.
@@ -147,7 +148,8 @@ def draw(plot: Plot, rng: np.random.Generator) -> Script:
     ends = rng.random() < plot.ending
     for _ in range(plot.groups - ends):
         groups.append(_group(plot, begin, rng))
-        begin = max(fault.end for fault in groups[-1]) + plot.rest + rng.uniform(0.0, 1.0)
+        end = max(fault.end for fault in groups[-1])
+        begin = end + plot.rest + CATCHES_UP * (end - begin) + rng.uniform(0.0, 1.0)
     if ends:
         groups.append((Fault(ENDS[rng.integers(len(ENDS))], begin, inf),))
     return Script(tuple(groups))

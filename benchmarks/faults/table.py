@@ -6,20 +6,22 @@ from math import isnan
 
 from benchmarks.faults.many import Mission
 from benchmarks.faults.promises import COMES_RIGHT, RESUMES
-from benchmarks.faults.script import Kind
+from benchmarks.faults.script import CATCHES_UP, Kind
 from benchmarks.faults.verdict import Outcome, Took
 
 TWO = "two at once"
 HEAD = (
     "| fault | injected | survived | wheels let go after (allowed), s | stands after (allowed), s "
-    f"| moves again after, s ({RESUMES:g}) | in place again after, s ({COMES_RIGHT:g}) "
+    f"| moves again after, s ({RESUMES:g}) | in place again after (allowed), s "
     "| least clearance, mm |",
     "|---|---|---|---|---|---|---|---|",
 )
 EXPLANATION = (
     "wheels let go: from the fault until nothing drives the wheels of a robot that has to stand; "
     "stands: until it is slower than 5 mm/s and 3 deg/s; the time nearest to its limit is shown. "
-    "moves, in place again: from when the promises let it move."
+    "moves, in place again: from when the promises let it move; "
+    f"{COMES_RIGHT:g} s are allowed for that, and {CATCHES_UP:g} times as long as the leader "
+    "drove on without some."
 )
 
 
@@ -91,7 +93,7 @@ def story(mission: Mission) -> str:
             lines.append(f"  {f.begin:.2f} s to {f.end:.2f} s: {f.kind.value}{who}{size}")
         lines.append(
             f"    wheels let go {_took(o.wheels)} s, stands {_took(o.stands)} s, moves again "
-            f"{_time(o.moves)} s, in place {_time(o.right)} s, clearance {1e3 * o.clearance:.1f} mm"
+            f"{_time(o.moves)} s, in place {_took(o.right, 2)} s, clearance {1e3 * o.clearance:.1f} mm"
         )
     return "\n".join(lines)
 
@@ -109,12 +111,12 @@ def _row(name: str, outcomes: Sequence[Outcome]) -> str:
     ]
     survived = sum(not o.broken for o in outcomes)
     gap = 1e3 * min(o.clearance for o in outcomes)
-    times = (*map(_took, worst[:2]), *map(_time, worst[2:]))
+    times = (_took(worst[0]), _took(worst[1]), _time(worst[2]), _took(worst[3], 2))
     return f"| {name} | {len(outcomes)} | {survived} | {' | '.join(times)} | {gap:.1f} |"
 
 
-def _took(took: Took) -> str:
-    return "-" if isnan(took.time) else f"{took.time:.3f} ({took.allowed:.3f})"
+def _took(took: Took, digits: int = 3) -> str:
+    return "-" if isnan(took.time) else f"{took.time:.{digits}f} ({took.allowed:.{digits}f})"
 
 
 def _time(took: Took) -> str:

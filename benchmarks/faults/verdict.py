@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.faults.drive import Driven
-from benchmarks.faults.promises import COMES_RIGHT, MOVING, RESUMES, STILL, Stand, promises_of
+from benchmarks.faults.promises import MOVING, RESUMES, STILL, Stand, promises_of
 from benchmarks.faults.script import Fault, Kind
 from control.command import Command, RobotId
 from control.unicycle import Twist
@@ -81,7 +81,8 @@ class Verdict:
         outcomes: of the groups of faults that it met.
         broken: promises that do not belong to a fault, in words.
         end: how long it took [s].
-        last_error: worst distance error of a follower at the end of a finished mission [m].
+        last_error: worst distance error of a follower at the end; NaN if it ended too soon after
+            a fault [m].
         digest: of all that moved.
     """
 
@@ -107,7 +108,7 @@ def judge(driven: Driven) -> Verdict:
     outcomes = tuple(court.outcome(*each) for each in zip(met, horizons, strict=True))
     digest = hashlib.sha256(court.states.tobytes()).hexdigest()[:16]
     broken = (*court.ending(), *court.commands())
-    return Verdict(outcomes, broken, driven.end, court.last_error(), digest)
+    return Verdict(outcomes, broken, driven.end, court.last_error(outcomes), digest)
 
 
 class _Court:
@@ -139,7 +140,7 @@ class _Court:
         if free < self._driven.end:
             robots = {stand.robot for stand in stands}
             moves = self._moving(robots, free, broken)
-            right = self._coming_right(free, min(horizon, self._driven.end), broken)
+            right = self._coming_right(group, free, min(horizon, self._driven.end), broken)
         gap = self._least_gap(group[0].begin, min(horizon, self._times[-1]))
         if gap <= 0.0:
             broken.append(f"bodies collide: {1e3 * gap:.1f} mm")
@@ -178,10 +179,11 @@ class _Court:
                 broken.append(f"robot {robot} was sent an old command at {sent:.2f} s")
         return tuple(broken[:3])
 
-    def last_error(self) -> float:
-        """Worst distance error of a follower at the end of a finished mission [m]."""
+    def last_error(self, outcomes: tuple[Outcome, ...]) -> float:
+        """Worst distance error of a follower at the end, if there was time to come right [m]."""
         late = self._base.times <= self._driven.end
-        return float(self._errors[late][-1]) if self._driven.why == "finished" else nan
+        judged = bool(outcomes) and not isnan(outcomes[-1].right.time)
+        return float(self._errors[late][-1]) if judged else nan
 
     def _stopping(self, stands: list[Stand], broken: list[str]) -> tuple[Took, Took]:
         """Until the wheels were not driven and the robots stood, at worst."""
@@ -224,7 +226,9 @@ class _Court:
                 broken.append(f"robot {robot} moves {took.time:.2f} s after it may at {free:.2f} s")
         return worst
 
-    def _coming_right(self, free: float, horizon: float, broken: list[str]) -> Took:
+    def _coming_right(
+        self, group: tuple[Fault, ...], free: float, horizon: float, broken: list[str]
+    ) -> Took:
         """When all were in their places, to stay there until the next fault or change of shape."""
         base = self._base
         changes = [t for pair in self._setup.formation.pairs for t in pair.shape.changes]
@@ -233,8 +237,9 @@ class _Court:
         horizon = min(horizon, free + left)
         inside = (base.times >= free) & (base.times < horizon)
         wrong = base.times[inside & ~self._small]
-        took = Took(float(wrong[-1] - free) if len(wrong) else 0.0, COMES_RIGHT)
-        if horizon - free < min(COMES_RIGHT, took.time + STEADY):
+        allowed = self._promises.right_within(group)
+        took = Took(float(wrong[-1] - free) if len(wrong) else 0.0, allowed)
+        if horizon - free < min(allowed, took.time + STEADY):
             return Took()  # the time was too short to say it
         if took.time > took.allowed:
             broken.append(f"errors are not small {took.time:.2f} s after {free:.2f} s")
