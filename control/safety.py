@@ -1,8 +1,8 @@
 """Bodies kept apart, and inside the arena: a control-barrier filter on velocities.
 
-Each corner of a square body has a distance h to every other body and to every side of the arena.
-The velocities that commands lead to are left alone if each of these distances shrinks slowly
-enough,
+Each corner of a square body has a distance h to every other body, and the circle about the body has
+one to every side of the arena: square to a side, a body's corners could not turn away from it. The
+velocities that commands lead to are left alone if each of these distances shrinks slowly enough,
 
     h' >= -rate (h - clearance),   not at all where h < clearance,
 
@@ -131,8 +131,7 @@ def _rows(
         reach = _reach(twists, i, half)
         near = clearance.distance + 1.5 * half + reach / clearance.rate
         if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
-            for corner in range(4):
-                _add_borders(rows, poses, i, corner, clearance, arena)
+            _add_borders(rows, poses, i, clearance, arena)
         for j in range(i):
             apart = hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
             closing = (reach + _reach(twists, j, half)) / clearance.rate
@@ -192,20 +191,20 @@ def _corner_row(poses: Floats, i: int, j: int, corner: int, clearance: Clearance
 
 @compilable
 def _add_borders(
-    rows: list[Row], poses: Floats, i: int, corner: int, clearance: Clearance, arena: Arena
+    rows: list[Row], poses: Floats, i: int, clearance: Clearance, arena: Arena
 ) -> None:
-    """A corner of i against the arena's sides."""
-    rx, ry = _corner(poses, i, corner, clearance.half_side)
-    x, y, c, s = poses[i, 0] + rx, poses[i, 1] + ry, cos(poses[i, 2]), sin(poses[i, 2])
-    for nx, ny, h in (
+    """The circle about the body of i against the arena's sides: a body at a side may turn away."""
+    x, y, c, s = poses[i, 0], poses[i, 1], cos(poses[i, 2]), sin(poses[i, 2])
+    radius = hypot(clearance.half_side, clearance.half_side)
+    for nx, ny, away in (
         (1.0, 0.0, x - arena.x_low),
         (-1.0, 0.0, arena.x_high - x),
         (0.0, 1.0, y - arena.y_low),
         (0.0, -1.0, arena.y_high - y),
     ):
-        if h < inf:
-            least = -clearance.rate * max(h - clearance.distance, 0.0)
-            rows.append((i, i, nx * c + ny * s, ny * rx - nx * ry, 0.0, 0.0, least))
+        if away < inf:
+            least = -clearance.rate * max(away - radius - clearance.distance, 0.0)
+            rows.append((i, i, nx * c + ny * s, 0.0, 0.0, 0.0, least))
 
 
 @compilable

@@ -93,7 +93,8 @@ def story(mission: Mission) -> str:
             lines.append(f"  {f.begin:.2f} s to {f.end:.2f} s: {f.kind.value}{who}{size}")
         lines.append(
             f"    wheels let go {_took(o.wheels)} s, stands {_took(o.stands)} s, moves again "
-            f"{_time(o.moves)} s, in place {_took(o.right, 2)} s, clearance {1e3 * o.clearance:.1f} mm"
+            f"{_time(o.moves)} s, in place {_took(o.right, 2)} s, "
+            f"clearance {1e3 * o.clearance:.1f} mm"
         )
     return "\n".join(lines)
 
