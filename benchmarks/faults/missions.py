@@ -44,7 +44,9 @@ COURSES: Mapping[str, Course] = {
     "cascade": Course("cascade", ("leader.speed_mps=0.2", "duration_s=16.0"), (1.0, 4.0)),
     "diamond": Course("diamond", ("leader.speed_mps=0.2", "duration_s=16.0"), (1.0, 4.0)),
     "obstacle": Course("obstacle", ("leader.speed_mps=0.12", "duration_s=16.0"), (1.0, 4.0)),
-    "hand-led": Course("hand-led", ("duration_s=16.0",), (1.0, 6.0)),
+    "hand-led": Course(
+        "hand-led", ("robots.1.carried.speed_mps=0.15", "duration_s=16.0"), (3.0, 5.0)
+    ),
 }
 TURNS = ("paper, in laps", "cascade", "paper, in laps", "diamond", "paper", "paper, in laps",
          "obstacle", "hand-led")  # fmt: skip

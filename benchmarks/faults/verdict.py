@@ -120,6 +120,8 @@ class _Court:
         self._ids = tuple(robot.id for robot in base.scenario.robots)
         self._times = np.array(driven.watched.times)
         self.states = np.array(driven.watched.states)
+        root = self._setup.formation.root
+        self._leads = {root} & set(self._promises.driven)
         self._away = self._taken()
         self._gaps = self._clearances(base.setup.tags.tags[0].side)
         self._base = self._motions()
@@ -138,9 +140,10 @@ class _Court:
         free = max(self._promises.free_from(fault) for fault in group)
         moves = right = Took()
         if free < self._driven.end:
-            robots = {stand.robot for stand in stands}
-            moves = self._moving(robots, free, broken)
+            moves = self._moving({stand.robot for stand in stands} | self._leads, free, broken)
             right = self._coming_right(group, free, min(horizon, self._driven.end), broken)
+        if all(fault.kind is Kind.CLOCK_STEP for fault in group):
+            self._driving_on(group[0].begin, free, broken)
         gap = self._least_gap(group[0].begin, min(horizon, self._times[-1]))
         if gap <= 0.0:
             broken.append(f"bodies collide: {1e3 * gap:.1f} mm")
@@ -225,6 +228,13 @@ class _Court:
             if took.time > took.allowed:
                 broken.append(f"robot {robot} moves {took.time:.2f} s after it may at {free:.2f} s")
         return worst
+
+    def _driving_on(self, begin: float, end: float, broken: list[str]) -> None:
+        """Whether the leader drove all the time, as if nothing had happened."""
+        inside = (self._times >= begin) & (self._times < min(end + RESUMES, self._driven.end))
+        for robot in self._leads:
+            if not self._faster(robot, MOVING)[inside].all():
+                broken.append(f"robot {robot} does not drive on after {begin:.2f} s")
 
     def _coming_right(
         self, group: tuple[Fault, ...], free: float, horizon: float, broken: list[str]

@@ -253,3 +253,14 @@ def test_a_robot_that_cannot_obey_slows_those_it_is_near_and_nobody_else() -> No
     safe = fast(poses, twists, twists - near, twists + near, np.ones(4), CLEARANCE, arena)
     assert np.abs(safe[:2]).max() < 0.1 * np.abs(twists[:2]).max()
     np.testing.assert_array_equal(safe[2:], twists[2:])
+
+
+def test_a_body_square_to_a_side_may_turn_away_from_it() -> None:
+    """At the very border, along it: no corner may come nearer, but it must get away again."""
+    arena = Arena(-1.0, -0.5, 1.0, 0.5)
+    y = arena.y_low + CLEARANCE.half_side * 2**0.5 + CLEARANCE.distance
+    away = filtered(np.array([[0.0, y, 0.0]]), np.array([[0.5, 4.0]]), arena=arena)
+    np.testing.assert_array_equal(away, [[0.5, 4.0]])
+    out = filtered(np.array([[0.0, y, -0.3]]), np.array([[0.5, 4.0]]), arena=arena)
+    assert out[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert out[0, 1] == pytest.approx(4.0)
