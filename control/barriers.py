@@ -1,9 +1,9 @@
 """The conditions under which bodies stay apart, and inside the arena: rows for `control.safety`.
 
-Each corner of a square body has a distance h to every other body and to every side of the arena,
-which may shrink only slowly: h' >= -rate (h - clearance), not at all where h < clearance. h' is
-linear in the velocities: that of the corner against that of the nearest point of the other body,
-along the line between them.
+Each corner of a square body has a distance h to every other body, and the circle about the body has
+one to every side of the arena, which may shrink only slowly: h' >= -rate (h - clearance), not at
+all where h < clearance. h' is linear in the velocities: that of the corner against that of the
+nearest point of the other body, along the line between them.
 """
 
 from dataclasses import dataclass
@@ -133,8 +133,7 @@ def corner_rows(
         reach = _reach(twists, i, half)
         near = clearance.distance + 1.5 * half + reach / clearance.rate
         if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
-            for corner in range(4):
-                _add_borders(rows, poses, headings, i, corner, clearance, arena)
+            _add_borders(rows, poses, headings, i, clearance, arena)
         for j in range(i):
             apart = hypot(poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1])
             closing = (reach + _reach(twists, j, half)) / clearance.rate
@@ -196,23 +195,17 @@ def _corner_row(
 
 @compilable
 def _add_borders(
-    rows: list[Row],
-    poses: Floats,
-    headings: Floats,
-    i: int,
-    corner: int,
-    clearance: Clearance,
-    arena: Arena,
+    rows: list[Row], poses: Floats, headings: Floats, i: int, clearance: Clearance, arena: Arena
 ) -> None:
-    """A corner of i against the arena's sides."""
-    rx, ry = _corner(headings, i, corner, clearance.half_side)
-    x, y, c, s = poses[i, 0] + rx, poses[i, 1] + ry, headings[i, 0], headings[i, 1]
-    for nx, ny, h in (
+    """The circle about the body of i against the arena's sides: a body at a side may turn away."""
+    x, y, c, s = poses[i, 0], poses[i, 1], headings[i, 0], headings[i, 1]
+    radius = hypot(clearance.half_side, clearance.half_side)
+    for nx, ny, away in (
         (1.0, 0.0, x - arena.x_low),
         (-1.0, 0.0, arena.x_high - x),
         (0.0, 1.0, y - arena.y_low),
         (0.0, -1.0, arena.y_high - y),
     ):
-        if h < inf:
-            least = -clearance.rate * max(h - clearance.distance, 0.0)
-            rows.append((i, i, nx * c + ny * s, ny * rx - nx * ry, 0.0, 0.0, least))
+        if away < inf:
+            least = -clearance.rate * max(away - radius - clearance.distance, 0.0)
+            rows.append((i, i, nx * c + ny * s, 0.0, 0.0, 0.0, least))

@@ -1,8 +1,8 @@
 """Bodies kept apart, and inside the arena: a control-barrier filter on velocities.
 
-Each corner of a square body has a distance h to every other body and to every side of the arena.
-The velocities that commands lead to are left alone if each of these distances shrinks slowly
-enough,
+Each corner of a square body has a distance h to every other body, and the circle about the body has
+one to every side of the arena: square to a side, a body's corners could not turn away from it. The
+velocities that commands lead to are left alone if each of these distances shrinks slowly enough,
 
     h' >= -rate (h - clearance),   not at all where h < clearance,
 
@@ -16,6 +16,7 @@ condition; C. Hildreth, "A quadratic programming procedure", Naval Res. Logistic
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from control.barriers import Arena as Arena
 from control.barriers import Clearance as Clearance
@@ -116,14 +117,27 @@ def _size(row: Row, freedoms: Floats, turning: float) -> float:
 
 @compilable
 def _slowed(rows: list[Row], twists: Floats, freedoms: Floats) -> Floats:
-    """Where the sweeps have not ended: all slower, until every row is met."""
-    share = 1.0
+    """Where the sweeps have not ended: slower, with all it is near, until every row is met."""
+    groups, shares = _groups(rows, freedoms), np.ones(len(twists))
     for row in rows:
         rate = _rate(row, twists)
         if rate < row[6] - 10.0 * _EXACT and rate < 0.0:
-            share = min(share, max(row[6] / rate, 0.0))
+            group = groups[row[0] if freedoms[row[0]] > 0.0 else row[1]]
+            shares[group] = min(shares[group], max(row[6] / rate, 0.0))
     for i in range(len(twists)):
         if freedoms[i] > 0.0:
-            twists[i, 0] *= share
-            twists[i, 1] *= share
+            twists[i, 0] *= shares[groups[i]]
+            twists[i, 1] *= shares[groups[i]]
     return twists
+
+
+@compilable
+def _groups(rows: list[Row], freedoms: Floats) -> NDArray[np.int64]:
+    """Robots that are near each other, directly or by others, have the same number, (N,)."""
+    groups = np.arange(len(freedoms))
+    for _ in range(len(freedoms)):
+        for row in rows:
+            i, j = row[0], row[1]
+            if freedoms[i] > 0.0 and freedoms[j] > 0.0:
+                groups[i] = groups[j] = min(groups[i], groups[j])
+    return groups

@@ -41,7 +41,7 @@ class Disturbance:
 
 _FAST = SpeedLimits(1.5, 15.0)
 _CALM = Disturbance()
-_STOP = Twist(0.0, 0.0)
+_STANDSTILL = Twist(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +59,11 @@ class RobotPlant:
         limits: what the wheels can do; commands are clipped to it.
         disturbance: bounds of pi_i.
         carried: the way along which someone carries it, whatever it is told; None: nobody does.
-        timeout: it stops by itself when no command has come for so long; inf: never [s].
+        timeout: without a command for so long it stops itself, > 0; infinite: it drives on [s].
 
     Raises:
-        SimulationError: if the lag is negative, side or timeout not positive, or a number not
-            finite.
+        SimulationError: if the lag is negative, the side or the timeout is not positive or a number
+            not finite.
     """
 
     robot_id: RobotId
@@ -81,8 +81,8 @@ class RobotPlant:
     def __post_init__(self) -> None:
         s = self.start
         numbers = (s.x, s.y, s.theta, s.v, s.omega, self.mass_error, self.inertia_error)
-        positive = self.side > 0.0 and self.timeout > 0.0
-        if not (all(map(isfinite, numbers)) and 0.0 <= self.lag < 1e3 and positive):
+        sizes = 0.0 <= self.lag < 1e3 and self.side > 0.0 and self.timeout > 0.0
+        if not (all(map(isfinite, numbers)) and sizes):
             raise SimulationError(
                 f"robot {self.robot_id}: start {s}, lag {self.lag} s, side {self.side} m, "
                 f"errors {self.mass_error}, {self.inertia_error}, timeout {self.timeout} s"
@@ -123,7 +123,7 @@ class World:
         return tuple(robot.plant for robot in self._robots.values())
 
     def command(self, robot_id: RobotId, twist: Twist, t_arrival: float) -> None:
-        """Let a command reach a robot; it holds until the next one.
+        """Let a command reach a robot; it holds until the next one, or the robot's own timeout.
 
         Args:
             robot_id: who is to obey.
@@ -133,20 +133,25 @@ class World:
         Raises:
             SimulationError: if nobody has that id or a number is not finite.
         """
-        if robot_id not in self._robots:
-            raise SimulationError(f"no robot {robot_id} among {list(self._robots)}")
+        robot = self._robot(robot_id)
         if not (isfinite(twist.v) and isfinite(twist.omega) and isfinite(t_arrival)):
             raise SimulationError(f"robot {robot_id}: command {twist} at {t_arrival} s")
-        self._robots[robot_id].take(twist, max(t_arrival, self._now))
+        robot.take(twist, max(t_arrival, self._now))
 
-    def put_down(self, robot_id: RobotId, pose: Pose2D) -> None:
-        """Let someone take a robot and put it down elsewhere, at a standstill.
+    def place(self, robot_id: RobotId, pose: Pose2D) -> None:
+        """Let somebody put a robot down somewhere else, at rest, now.
 
         Args:
-            robot_id: the robot.
-            pose: where it stands then, from the world's time on [m, m, rad].
+            robot_id: who is moved; it still obeys the last command.
+            pose: where it stands then [m, m, rad].
+
+        Raises:
+            SimulationError: if nobody has that id, or it is carried along a way.
         """
-        self._robots[robot_id].put_down(self._now, pose)
+        robot = self._robot(robot_id)
+        if robot.plant.carried:
+            raise SimulationError(f"robot {robot_id} is carried along a way of its own")
+        robot.place(self._now, pose)
 
     def advance(self, t: float) -> None:
         """Let time pass.
@@ -193,6 +198,11 @@ class World:
         """
         return float(self._gaps().min(initial=np.inf))
 
+    def _robot(self, robot_id: RobotId) -> "_Robot":
+        if robot_id not in self._robots:
+            raise SimulationError(f"no robot {robot_id} among {list(self._robots)}")
+        return self._robots[robot_id]
+
     def _gaps(self) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """Distances of all pairs of bodies now."""
         poses = np.array([robot.at(self._now)[:3] for robot in self._robots.values()])
@@ -220,9 +230,9 @@ class _Robot:
     def __init__(self, plant: RobotPlant, rng: np.random.Generator) -> None:
         self.plant = plant
         self._drive: Twist | None = None
+        self._expiry = inf  # when it stops itself
         self._pending: list[tuple[float, int, Twist]] = []
         self._taken = 0
-        self._patience = inf  # when it stops by itself
         self._grid = 1  # number of the next grid point
         self._tones = draw_tones(rng)
         s = plant.start
@@ -238,25 +248,20 @@ class _Robot:
         """Make all legs that begin by t."""
         while True:
             due = self._grid * GRID
-            pending = self._pending[0][0] if self._pending else inf
-            arrival = min(pending, self._patience)
-            begin = due if abs(arrival - due) < SLACK else min(arrival, due)
+            arrival = self._pending[0][0] if self._pending else inf
+            event = min(arrival, self._expiry)
+            begin = due if abs(event - due) < SLACK else min(event, due)
             if begin > t:
                 break
-            if pending < begin + SLACK:
-                self._drive = self._pending.pop(0)[2]
-                self._patience = begin + self.plant.timeout
-            elif arrival < begin + SLACK:
-                self._drive, self._patience = _STOP, inf
+            if arrival < begin + SLACK:
+                self._obey(self._pending.pop(0)[2], arrival)
+            elif self._expiry < begin + SLACK:
+                self._drive, self._expiry = _STANDSTILL, inf
             if begin == due:
                 self._grid += 1
             self._begin_leg(begin, self._legs[-1].at(begin))
         while len(self._legs) > 2 and self._legs[1].t < t - MEMORY - GRID:
             self._legs.popleft()
-
-    def put_down(self, t: float, pose: Pose2D) -> None:
-        """Begin afresh where someone has put it; what it was told still holds."""
-        self._begin_leg(t, (pose.x, pose.y, pose.theta, 0.0, 0.0))
 
     def at(self, t: float) -> Motion:
         """Motion at a time the memory reaches."""
@@ -265,6 +270,15 @@ class _Robot:
             return s.x, s.y, s.theta, s.v, s.omega
         leg = next((leg for leg in reversed(self._legs) if leg.t <= t), self._legs[0])
         return leg.at(t)
+
+    def place(self, t: float, pose: Pose2D) -> None:
+        """Begin anew, at rest, where somebody has put it."""
+        self._begin_leg(t, (pose.x, pose.y, pose.theta, 0.0, 0.0))
+
+    def _obey(self, twist: Twist, arrival: float) -> None:
+        """Drive as told; the watch over silence begins again."""
+        moves = twist != _STANDSTILL
+        self._drive, self._expiry = twist, arrival + self.plant.timeout if moves else inf
 
     def _begin_leg(self, t: float, motion: Motion) -> None:
         """Start a step under the present drive and disturbance."""

@@ -138,7 +138,7 @@ def camera_request(camera: CameraConfig) -> CameraRequest:
 
 
 def make_world(scenario: Scenario, seed: int = 0) -> World:
-    """The simulated robots of a scenario.
+    """The simulated robots of a scenario, which stop themselves as Miabots do.
 
     Args:
         scenario: with a start for every robot.

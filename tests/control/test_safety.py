@@ -242,3 +242,25 @@ def test_what_motors_can_reach(v: float, omega: float, dt: float) -> None:
         _, u = motors.command(own, (sign * 1e6, sign * 1e6), dt, gain)
         assert own.v + dt * u[0] == pytest.approx(ends.v, abs=1e-9)
         assert own.omega + dt * u[1] == pytest.approx(ends.omega, abs=1e-9)
+
+
+def test_a_robot_that_cannot_obey_slows_those_it_is_near_and_nobody_else() -> None:
+    """The first is over the border and cannot turn back within the period."""
+    poses = np.array([[1.0, 0.0, 0.0], [0.85, 0.0, 0.0], [-1.0, 0.0, 0.3], [-1.0, 0.2, 0.3]])
+    twists = np.array([[0.8, 0.0], [0.7, 0.0], [0.5, 1.0], [0.5, 0.0]])
+    near = np.array([0.1, 1.0])
+    arena = Arena(-2.0, -2.0, 1.03, 2.0)
+    safe = fast(poses, twists, twists - near, twists + near, np.ones(4), CLEARANCE, arena)
+    assert np.abs(safe[:2]).max() < 0.1 * np.abs(twists[:2]).max()
+    np.testing.assert_array_equal(safe[2:], twists[2:])
+
+
+def test_a_body_square_to_a_side_may_turn_away_from_it() -> None:
+    """At the very border, along it: no corner may come nearer, but it must get away again."""
+    arena = Arena(-1.0, -0.5, 1.0, 0.5)
+    y = arena.y_low + CLEARANCE.half_side * 2**0.5 + CLEARANCE.distance
+    away = filtered(np.array([[0.0, y, 0.0]]), np.array([[0.5, 4.0]]), arena=arena)
+    np.testing.assert_array_equal(away, [[0.5, 4.0]])
+    out = filtered(np.array([[0.0, y, -0.3]]), np.array([[0.5, 4.0]]), arena=arena)
+    assert out[0, 0] == pytest.approx(0.0, abs=1e-6)
+    assert out[0, 1] == pytest.approx(4.0)

@@ -6,6 +6,7 @@ from math import cos, exp, hypot, pi, sin
 import numpy as np
 import pytest
 
+from control.geometry import Pose2D
 from control.unicycle import SpeedLimits, Twist, UnicycleState
 from datasets.errors import SimulationError
 from datasets.world import MEMORY, Disturbance, RobotPlant, World
@@ -133,26 +134,6 @@ def test_wheels_limit_the_commands() -> None:
     assert only(world).omega == pytest.approx(-4.5, abs=1e-9)
 
 
-@pytest.mark.parametrize("step", [0.0073, 3.0])
-def test_a_robot_that_hears_nothing_stops_by_itself(step: float) -> None:
-    world = World((replace(PLANT, timeout=0.3),))
-    for t in (0.1, 0.2, 0.35):
-        world.command(1, Twist(1.0, 0.0), t)
-    for t in np.arange(step, 0.64, step).tolist():
-        world.advance(t)
-    world.advance(0.65)
-    assert only(world).v == pytest.approx(1.1, abs=1e-2)
-    world.advance(0.75)
-    assert only(world).v == pytest.approx(only(world, 0.65).v * exp(-0.1 / 0.05), rel=1e-9)
-    world.command(1, Twist(0.5, 0.0), 0.9)
-    world.advance(1.15)
-    assert only(world).v == pytest.approx(0.55, abs=1e-2)
-    world.advance(2.0)
-    assert only(world).v < 1e-5
-    with pytest.raises(SimulationError, match="timeout 0"):
-        replace(PLANT, timeout=0.0)
-
-
 def test_without_lag_velocities_jump() -> None:
     world = World((replace(PLANT, lag=0.0),))
     world.command(1, Twist(0.5, 0.0), 0.1)
@@ -196,3 +177,46 @@ def test_wrong_use_is_refused() -> None:
         World((PLANT, PLANT))
     with pytest.raises(SimulationError, match="lag -1"):
         replace(PLANT, lag=-1.0)
+    with pytest.raises(SimulationError, match="timeout 0"):
+        replace(PLANT, timeout=0.0)
+
+
+def test_a_robot_without_commands_stops_itself_at_its_timeout() -> None:
+    obeying, deaf = World((replace(PLANT, timeout=0.3),)), World((PLANT,))
+    for world in (obeying, deaf):
+        world.command(1, Twist(0.5, 2.0), 0.1)
+        world.command(1, Twist(0.5, 1.0), 0.2234)
+        world.advance(0.5234)
+    assert only(obeying) == only(deaf)  # to the last bit, until then
+    told = World((PLANT,))
+    for t, twist in ((0.1, Twist(0.5, 2.0)), (0.2234, Twist(0.5, 1.0)), (0.5234, Twist(0.0, 0.0))):
+        told.command(1, twist, t)
+    for world in (obeying, deaf, told):
+        world.advance(1.4)
+    assert only(obeying).v == pytest.approx(only(told).v, abs=1e-12)
+    assert abs(only(obeying).v) < 1e-6
+    assert only(obeying).x == pytest.approx(only(told).x, abs=1e-9)
+    assert only(deaf).v == pytest.approx(0.55)
+
+
+def test_commands_that_keep_coming_keep_a_robot_driving() -> None:
+    world = World((replace(PLANT, timeout=0.3),))
+    for k in range(10):
+        world.command(1, Twist(0.5, 0.0), 0.3 * k)  # each at the very end of the patience
+    world.advance(2.95)
+    assert only(world).v == pytest.approx(0.55)
+
+
+def test_a_robot_that_is_put_elsewhere_stands_there_and_was_where_it_was() -> None:
+    world = World((PLANT,))
+    world.command(1, Twist(0.5, 0.0), 0.0)
+    world.advance(0.5)
+    before = only(world, 0.49)
+    world.place(1, Pose2D(1.0, 2.0, -0.5))
+    assert only(world) == UnicycleState(1.0, 2.0, -0.5, 0.0, 0.0)
+    assert only(world, 0.49) == before
+    world.command(1, Twist(0.0, 0.0), 0.5)
+    world.advance(0.7)
+    assert (only(world).x, only(world).y) == (1.0, 2.0)
+    with pytest.raises(SimulationError, match="no robot 7"):
+        world.place(7, Pose2D(0.0, 0.0, 0.0))

@@ -1,0 +1,1 @@
+"""Hours of simulated driving with random faults: which promises of docs/safety.md hold."""
