@@ -5,24 +5,16 @@ from dataclasses import dataclass
 from math import inf, isfinite, isnan, nan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.faults.drive import Driven
-from benchmarks.faults.promises import MOVING, RESUMES, STILL, Stand, promises_of
+from benchmarks.faults.evidence import STOP, Evidence
+from benchmarks.faults.promises import MOVING, RESUMES, Stand, promises_of
 from benchmarks.faults.script import Fault, Kind
 from control.command import Command, RobotId
-from control.unicycle import Twist
-from datasets.bodies import pair_gaps, pair_indices
-from datasets.scores import SETTLED_BEARING, SETTLED_DISTANCE, Motions, follower_errors
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 
 ROUNDING = 1e-6  # [s]
 STEADY = 1.0  # in place again are followers that stay there for so long [s]
-EVERY = 2  # of the looks at the world, errors are taken
 WHYS = {Kind.GONE: "given-up", Kind.SIGTERM: "interrupted", Kind.SIGKILL: "killed"}
-_STOP = Twist(0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,30 +98,20 @@ def judge(driven: Driven) -> Verdict:
     met = [group for group in driven.script.groups if group[0].begin <= end]
     horizons = [*(group[0].begin for group in met[1:]), inf]
     outcomes = tuple(court.outcome(*each) for each in zip(met, horizons, strict=True))
-    digest = hashlib.sha256(court.states.tobytes()).hexdigest()[:16]
+    digest = hashlib.sha256(court.evidence.states.tobytes()).hexdigest()[:16]
     broken = (*court.ending(), *court.commands())
     return Verdict(outcomes, broken, driven.end, court.last_error(outcomes), digest)
 
 
 class _Court:
-    """The evidence of one mission as arrays."""
+    """One mission before the promises."""
 
     def __init__(self, driven: Driven) -> None:
         self._driven, base = driven, driven.made
         self._setup, self._promises = base.setup, promises_of(base.scenario, base.setup)
-        self._ids = tuple(robot.id for robot in base.scenario.robots)
-        self._times = np.array(driven.watched.times)
-        self.states = np.array(driven.watched.states)
+        self.evidence = Evidence(driven, self._promises.timeout)
         root = self._setup.formation.root
         self._leads = {root} & set(self._promises.driven)
-        self._away = self._taken()
-        self._gaps = self._clearances(base.setup.tags.tags[0].side)
-        self._base = self._motions()
-        self._small, self._errors = self._in_place()
-        self._told: dict[RobotId, list[tuple[float, Twist]]] = {robot: [] for robot in self._ids}
-        delay = self._setup.radio_delay
-        for sent, robot, twist in sorted(driven.watched.told, key=lambda told: told[0]):
-            self._told[robot].append((sent + delay, twist))
 
     def outcome(self, group: tuple[Fault, ...], horizon: float) -> Outcome:
         """Judge a group of faults; all is to stay right until the horizon."""
@@ -144,7 +126,7 @@ class _Court:
             right = self._coming_right(group, free, min(horizon, self._driven.end), broken)
         if all(fault.kind is Kind.CLOCK_STEP for fault in group):
             self._driving_on(group[0].begin, free, broken)
-        gap = self._least_gap(group[0].begin, min(horizon, self._times[-1]))
+        gap = self.evidence.least_gap(group[0].begin, min(horizon, self.evidence.times[-1]))
         if gap <= 0.0:
             broken.append(f"bodies collide: {1e3 * gap:.1f} mm")
         return Outcome(group, wheels, stopped, moves, right, gap, tuple(broken))
@@ -153,15 +135,18 @@ class _Court:
         """Whether it ended as it had to, and all stand after it."""
         driven = self._driven
         last = driven.script.groups[-1][0]
-        wanted = WHYS.get(last.kind, "finished")
-        broken = [] if driven.why in (wanted, "finished") else [f"ended by: {driven.why}"]
-        still = Stand(0, driven.end, driven.end + self._promises.alone, inf)
+        may = {WHYS.get(last.kind, "finished")}
+        if last.begin > driven.end - self._setup.rules.camera_silent:
+            may.add("finished")  # before it was met or noticed
+        broken = [] if driven.why in may else [f"ended by: {driven.why}"]
         for robot in self._promises.driven:
-            t = self._stands_at(robot, driven.end, inf)
-            if t > still.deadline:
+            t = self.evidence.moves_until(robot, driven.end, inf)
+            if t > driven.end + self._promises.alone:
                 broken.append(f"robot {robot} drives on {t - driven.end:.2f} s after the end")
-        if self._gaps.min() <= 0.0:
-            broken.append(f"bodies collide at {self._times[self._gaps.argmin()]:.2f} s")
+        if self.evidence.gaps.min() <= 0.0:
+            broken.append(
+                f"bodies collide at {self.evidence.times[self.evidence.gaps.argmin()]:.2f} s"
+            )
         return tuple(broken)
 
     def commands(self) -> tuple[str, ...]:
@@ -175,7 +160,7 @@ class _Court:
             while entry is not None and entry[0] <= sent + 1e-9:
                 newest[entry[1].robot_id] = entry[1]
                 entry = next(coming, None)
-            if twist == _STOP:
+            if twist == STOP:
                 continue
             command = newest.get(robot)
             if command is None or command.twist != twist or command.valid_until < sent - 1e-9:
@@ -184,17 +169,20 @@ class _Court:
 
     def last_error(self, outcomes: tuple[Outcome, ...]) -> float:
         """Worst distance error of a follower at the end, if there was time to come right [m]."""
-        late = self._base.times <= self._driven.end
+        late = self.evidence.base.times <= self._driven.end
         judged = bool(outcomes) and not isnan(outcomes[-1].right.time)
-        return float(self._errors[late][-1]) if judged else nan
+        return float(self.evidence.errors[late][-1]) if judged else nan
 
     def _stopping(self, stands: list[Stand], broken: list[str]) -> tuple[Took, Took]:
         """Until the wheels were not driven and the robots stood, at worst."""
         wheels = stopped = Took()
         for s in stands:
-            until, allowed = min(s.until, self._times[-1]), s.deadline - s.begin
-            driven = Took(self._driven_until(s) - s.begin, allowed - self._promises.motors)
-            stood = Took(self._stands_at(s.robot, s.begin, until) - s.begin, allowed)
+            until, allowed = min(s.until, self.evidence.times[-1]), s.deadline - s.begin
+            driven = Took(
+                self.evidence.driven_until(s.robot, s.begin, s.until) - s.begin,
+                allowed - self._promises.motors,
+            )
+            stood = Took(self.evidence.moves_until(s.robot, s.begin, until) - s.begin, allowed)
             for took, what in ((driven, "is driven"), (stood, "moves")):
                 if took.time > took.allowed + ROUNDING:
                     broken.append(f"robot {s.robot} {what} {took.time:.3f} s after "
@@ -203,26 +191,13 @@ class _Court:
                 wheels, stopped = wheels.or_worse(driven), stopped.or_worse(stood)
         return wheels, stopped
 
-    def _driven_until(self, stand: Stand) -> float:
-        """Until when a robot's wheels were driven that has to stand, by what reached them."""
-        told, last = self._told[stand.robot], stand.begin
-        for (t, twist), (following, _) in zip(told, [*told[1:], (inf, _STOP)], strict=True):
-            end = min(following, t + self._promises.timeout)
-            if twist != _STOP and end > stand.begin and t < stand.until:
-                last = max(last, end)
-        return last
-
-    def _stands_at(self, robot: RobotId, begin: float, until: float) -> float:
-        """When a robot moved last between two moments; the first of them if it did not."""
-        inside = (self._times >= begin) & (self._times < until - 1e-9)
-        moves = self._faster(robot, STILL) & inside
-        return float(self._times[moves][-1]) if moves.any() else begin
-
     def _moving(self, robots: set[RobotId], free: float, broken: list[str]) -> Took:
         """When all who had stood moved again."""
         worst = Took()
         for robot in sorted(robots, key=str):
-            moves = self._times[self._faster(robot, MOVING) & (self._times >= free)]
+            moves = self.evidence.times[
+                self.evidence.faster(robot, MOVING) & (self.evidence.times >= free)
+            ]
             took = Took(float(moves[0] - free) if len(moves) else inf, RESUMES)
             worst = worst.or_worse(took)
             if took.time > took.allowed:
@@ -231,22 +206,24 @@ class _Court:
 
     def _driving_on(self, begin: float, end: float, broken: list[str]) -> None:
         """Whether the leader drove all the time, as if nothing had happened."""
-        inside = (self._times >= begin) & (self._times < min(end + RESUMES, self._driven.end))
+        inside = (self.evidence.times >= begin) & (
+            self.evidence.times < min(end + RESUMES, self._driven.end)
+        )
         for robot in self._leads:
-            if not self._faster(robot, MOVING)[inside].all():
+            if not self.evidence.faster(robot, MOVING)[inside].all():
                 broken.append(f"robot {robot} does not drive on after {begin:.2f} s")
 
     def _coming_right(
         self, group: tuple[Fault, ...], free: float, horizon: float, broken: list[str]
     ) -> Took:
         """When all were in their places, to stay there until the next fault or change of shape."""
-        base = self._base
+        base = self.evidence.base
         changes = [t for pair in self._setup.formation.pairs for t in pair.shape.changes]
         passed = np.interp(free, base.times, base.mission)
         left = min((t - passed for t in changes if t > passed), default=inf)
         horizon = min(horizon, free + left)
         inside = (base.times >= free) & (base.times < horizon)
-        wrong = base.times[inside & ~self._small]
+        wrong = base.times[inside & ~self.evidence.small]
         allowed = self._promises.right_within(group)
         took = Took(float(wrong[-1] - free) if len(wrong) else 0.0, allowed)
         if horizon - free < min(allowed, took.time + STEADY):
@@ -254,47 +231,6 @@ class _Court:
         if took.time > took.allowed:
             broken.append(f"errors are not small {took.time:.2f} s after {free:.2f} s")
         return took
-
-    def _faster(self, robot: RobotId, than: tuple[float, float]) -> Flags:
-        v, omega = self.states[:, self._ids.index(robot), 3:].T
-        faster: Flags = (np.abs(v) > than[0]) | (np.abs(omega) > than[1])
-        return faster
-
-    def _least_gap(self, begin: float, end: float) -> float:
-        inside = (self._times >= begin) & (self._times <= end)
-        return float(self._gaps[inside].min(initial=inf))
-
-    def _taken(self) -> Flags:
-        """Which robots are not on the floor, shape (T, R)."""
-        away = np.zeros(self.states.shape[:2], bool)
-        for fault in self._driven.script.faults:
-            if fault.kind is Kind.TAKEN and fault.robot is not None:
-                on = (self._times >= fault.begin) & (self._times < fault.end)
-                away[on, self._ids.index(fault.robot)] = True
-        return away
-
-    def _clearances(self, side: float) -> Floats:
-        """Least distance of two bodies on the floor, shape (T,) [m]."""
-        count = len(self._ids)
-        first, second = pair_indices(count)
-        gaps = pair_gaps(self.states[:, :, :3], np.full(count, side))
-        gaps[self._away[:, first] | self._away[:, second]] = inf
-        least: Floats = gaps.min(axis=1, initial=inf)
-        return least
-
-    def _motions(self) -> Motions:
-        """What the robots did, with the mission's clock."""
-        times, diary = self._times[::EVERY], self._driven.diary
-        before = np.searchsorted(diary.times, times, side="right") - 1
-        mission = times - np.array(diary.starts)[np.maximum(before, 0)]
-        return Motions(self._ids, times, mission, self.states[::EVERY])
-
-    def _in_place(self) -> tuple[Flags, Floats]:
-        """Whether every follower is in its place, and the worst distance error, (T,) [m]."""
-        offset, pairs = self._setup.follower.camera_offset, self._setup.formation.pairs
-        errors = np.abs([follower_errors(self._base, pair, offset) for pair in pairs])
-        small = (errors[..., 0] < SETTLED_DISTANCE) & ~(errors[..., 1] >= SETTLED_BEARING)
-        return np.asarray(small.all(axis=0)), np.asarray(errors[..., 0].max(axis=0))
 
 
 def _is_finite(command: Command) -> bool:
