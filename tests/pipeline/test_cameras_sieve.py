@@ -144,3 +144,10 @@ def test_an_outage_is_told_once_and_has_an_end() -> None:
     assert (len(outages.all), outages.all[0].t_lost, outages.all[0].t_back) == (1, 1.0, 3.5)
     assert outages.lose("camera x: refused", 4.0) is not None
     assert outages.away
+
+
+def test_a_picture_of_the_future_is_none_to_the_loop() -> None:
+    image = np.zeros((4, 6, 3), np.uint8)
+    for ahead, kept in ((-0.3, True), (0.0, True), (0.005, True), (0.02, False), (5.0, False)):
+        tick = Tick(10.0, as_frame(image, 10.0 + ahead, 1))
+        assert (without_nonsense(tick, None).frame is not None) is kept
