@@ -3,9 +3,9 @@
 import numpy as np
 
 from control.compilable import compilable
-from datasets.simulation.filters import nothing_seen, roll_ahead, see
+from datasets.simulation.filters import Filters, nothing_seen, roll_ahead, see
 from datasets.simulation.inputs import Chance, Field, Floats, Gains, Host, Trace
-from datasets.simulation.laws import follow_on, laws_at_rest, lead_on
+from datasets.simulation.laws import Laws, follow_on, laws_at_rest, lead_on
 from datasets.simulation.plants import Vehicle, drive_until, place
 from datasets.simulation.restraint import restrain
 from vision.compiled import compiled
@@ -30,43 +30,60 @@ def run_batch(host: Host, gains: Gains, field: Field, chance: Chance, trace: Tra
 def _run(host: Host, gains: Gains, field: Field, chance: Chance, trace: Trace, run: int) -> None:
     """One run, tick by tick: the robots drive, the host sees, predicts and steers."""
     first, end, ticks = chance.ticks[run]
-    period, delay, sent = host.period, host.delay, trace.commands[run]
-    lost, taken, tones = chance.lost[run], chance.taken[run], chance.tones[run]
+    sent, rates = trace.commands[run], chance.rates[run].copy()
     vehicles = place(field.starts, field.plants, first)
-    rates = chance.rates[run].copy()
-    poses, seen, rolled = np.empty((len(taken), len(vehicles), 3)), np.nan, np.nan
+    poses = np.empty((chance.taken.shape[1], len(vehicles), 3))
     filters, laws, begins = nothing_seen(len(vehicles)), laws_at_rest(gains, field), True
-    means, ahead, wishes = filters.means, filters.ahead, np.empty((len(vehicles), 2))
+    wishes, seen, rolled = np.empty((len(vehicles), 2)), np.nan, np.nan
     for tick in range(ticks):
-        for robot in range(len(vehicles)):
-            vehicles[robot] = drive_until(
-                vehicles[robot], robot, tick, period, delay, sent, lost, taken, poses, tones
-            )
+        effect = tick * host.period + host.delay
+        _drive(vehicles, host, chance, run, tick, sent, poses)
         frame = chance.frame[run, tick]
         if frame >= 0:
             measured, t = poses[frame] + chance.noise[run, frame], chance.stamp[run, frame]
             see(filters, host, field.pose_noise, measured, seen, t, sent, (first, tick))
             seen = rolled = t
-        effect = tick * period + delay
-        roll_ahead(ahead, means, host, rolled, effect, sent, (first, tick))
+        roll_ahead(filters.ahead, filters.means, host, rolled, effect, sent, (first, tick))
         rolled = effect
         if first <= tick < end:
-            share, commands = chance.share[run, tick], sent[tick]
-            mission = chance.mission[run, tick]
-            if share > 0.0:
-                wanted = field.wanted[mission]
-                lead_on(laws, ahead, means, host, field.planned[mission], begins, wishes)
-                follow_on(laws, ahead, means, host, wanted, rates, begins, wishes)
-                restrain(
-                    laws, ahead, means, host, field.freedoms, wanted, wishes, share, commands,
-                    trace.kept[run, tick],
-                )  # fmt: skip
-            else:  # all stand, and their laws begin anew
-                commands[:] = 0.0
-            begins = share <= 0.0
+            _steer(laws, filters, host, field, chance, trace, run, tick, rates, begins, wishes)
+            begins = chance.share[run, tick] <= 0.0
             rates[:] = 0.0  # measured before the start alone
-        _note(trace.states[run, tick], vehicles, tick * period)
-        trace.ahead[run, tick] = ahead
+        _note(trace.states[run, tick], vehicles, tick * host.period)
+        trace.ahead[run, tick] = filters.ahead
+
+
+@compilable
+def _drive(
+    vehicles: list[Vehicle], host: Host, chance: Chance, run: int, tick: int, sent: Floats,
+    poses: Floats,
+) -> None:  # fmt: skip
+    """All robots drive until a tick."""
+    lost, taken, tones = chance.lost[run], chance.taken[run], chance.tones[run]
+    for robot in range(len(vehicles)):
+        vehicles[robot] = drive_until(
+            vehicles[robot], robot, tick, host.period, host.delay, sent, lost, taken, poses, tones
+        )
+
+
+@compilable
+def _steer(
+    laws: Laws, filters: Filters, host: Host, field: Field, chance: Chance, trace: Trace,
+    run: int, tick: int, rates: Floats, begins: bool, wishes: Floats,
+) -> None:  # fmt: skip
+    """Commands of a tick; where all must stand, their laws begin anew."""
+    share, mission = chance.share[run, tick], chance.mission[run, tick]
+    commands = trace.commands[run, tick]
+    if share <= 0.0:
+        commands[:] = 0.0
+        return
+    wanted, ahead, means = field.wanted[mission], filters.ahead, filters.means
+    lead_on(laws, ahead, means, host, field.planned[mission], begins, wishes)
+    follow_on(laws, ahead, means, host, wanted, rates, begins, wishes)
+    restrain(
+        laws, ahead, means, host, field.freedoms, wanted, wishes, share, commands,
+        trace.kept[run, tick],
+    )  # fmt: skip
 
 
 @compilable
