@@ -33,8 +33,8 @@ def clear_commands(
         arena: what must not be left.
 
     Returns:
-        (N, 2) commands; those of `commands`, to the last bit, for robots that need not give way
-        [m/s, rad/s].
+        (N, 2) commands; those of `commands`, to the last bit, for robots that need not give way,
+        and that very array where nothing is close [m/s, rad/s].
     """
     wanted = commands.copy()  # velocities at the end of dt
     for i in range(len(states)):

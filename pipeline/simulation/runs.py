@@ -20,7 +20,7 @@ AT_A_TIME = 32
 """Runs of one call of machine code at most."""
 
 MEMORY = 64e6
-"""What they may take [B]."""
+"""What all calls that are begun may take together [B]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,8 +69,8 @@ def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
     Yields:
         The runs in their order, some together.
     """
-    drawer, row, cores = Drawer(experiment), 100.0 * len(experiment.plants), os.cpu_count() or 1
-    most = max(1, min(AT_A_TIME, int(MEMORY / (row * experiment.ticks))))
+    drawer, row, cores = Drawer(experiment), 100.0 * len(experiment.plants), _cores()
+    most = max(1, min(AT_A_TIME, int(MEMORY / (row * experiment.ticks * (cores + 1)))))
     together = min(most, -(-len(seeds) // cores)) or 1
     with ThreadPoolExecutor(cores) as pool:  # machine code needs no interpreter's lock
         begun = deque[Future[Batch]]()
@@ -81,6 +81,13 @@ def batches(experiment: Experiment, seeds: Sequence[int]) -> Iterator[Batch]:
                 yield begun.popleft().result()
         while begun:
             yield begun.popleft().result()
+
+
+def _cores() -> int:
+    """How many this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def load_kernel(experiment: Experiment) -> None:
