@@ -6,7 +6,6 @@ import threading
 import tty
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
@@ -69,8 +68,10 @@ class Line:
             os.close(self._slave)
             self.master = -1
 
-    def block(self, blocked: bool) -> None:
+    def block(self, blocked: bool, t: float) -> None:
         """Take nothing any more, with the port's buffer full; or take all again."""
+        if blocked and self.heard:  # what has been sent by now has arrived
+            self.serve(bool(select.select((self.master,), (), (), 0.0)[0]), t)
         self.blocked = blocked
         self._fill()
 
@@ -135,7 +136,7 @@ class Ptys(Closed):
             n: its index.
             blocked: False: it takes everything again.
         """
-        self._order(partial(self._lines[n].block, blocked))
+        self._order(lambda: self._lines[n].block(blocked, self._clock()))
 
     def close(self) -> None:
         """Unplug all robots; whoever has a port open sees it go. Safe to call twice."""
