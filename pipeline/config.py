@@ -149,6 +149,7 @@ class SafetyConfig(Section):
     give_up_s: Positive = 10.0
     hold: bool = False
     drive_ambiguous: bool = False
+    unmoved_m: NonNegative = 0.1
     clearance_m: NonNegative = 0.02
     approach_rate_per_s: Positive = 8.0
     arena_m: tuple[Finite, Finite, Finite, Finite] | None = None

@@ -1,15 +1,19 @@
 """The safety rules of a run: who may move, and how much, given what has been seen lately.
 
 Promises (`docs/safety.md`): a robot without a pose, and all that follow it, slow down and stop; no
-frame stops all until frames have come steadily again; a robot whose link is down counts as unseen.
+frame stops all until frames have come steadily again; a robot whose link is down, or that has to
+stand for another reason (`identity`, `obedience`), counts as unseen.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from control.command import RobotId
 from control.formation import Formation
 from datasets.cycle import SafetyEvent, Tick
+
+NOBODY: Mapping[RobotId, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +28,8 @@ class SafetyRules:
         give_up: when the whole formation has stood for this long, the run ends [s].
         hold: motion begins, and resumes, only when a person arms it.
         drive_ambiguous: robots that may be another one with the same tag are driven, too.
+        unmoved: a robot whose wheels were told to roll so far within a second and that is seen
+            standing does not obey; 0: that is not watched [m].
     """
 
     slow_after: float = 0.2
@@ -33,6 +39,7 @@ class SafetyRules:
     give_up: float = 10.0
     hold: bool = False
     drive_ambiguous: bool = False
+    unmoved: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +63,7 @@ def watch_over(
     formation: Formation,
     seen: Mapping[RobotId, float],
     tick: Tick,
-    ambiguous: frozenset[RobotId] = frozenset(),
+    standing: Mapping[RobotId, str] = NOBODY,
 ) -> tuple[GuardMemory, Mapping[RobotId, float], tuple[SafetyEvent, ...]]:
     """Decide for every robot which share of its commanded speed it may drive.
 
@@ -66,7 +73,7 @@ def watch_over(
         formation: who follows whom.
         seen: capture time of the last frame each known robot was seen in [s].
         tick: the present inputs.
-        ambiguous: robots that may be another one with the same tag.
+        standing: robots that have to stand for another reason, and the reason.
 
     Returns:
         The new memory; 0 (stand) to 1 (free) for every robot of the formation; what changed.
@@ -76,7 +83,6 @@ def watch_over(
     silent = tick.t - since > rules.camera_silent
     t_silent = tick.t if silent else memory.t_silent
     steady = t_silent is None or tick.t - t_silent >= rules.good_frames
-    standing = frozenset() if rules.drive_ambiguous else ambiguous
     shares = (
         _shares(rules, formation, seen, tick, standing)
         if steady
@@ -95,7 +101,7 @@ def _shares(
     formation: Formation,
     seen: Mapping[RobotId, float],
     tick: Tick,
-    standing: frozenset[RobotId],
+    standing: Mapping[RobotId, str],
 ) -> dict[RobotId, float]:
     """A robot's own share, limited by that of the robot it follows."""
     own = {
@@ -134,7 +140,7 @@ def _robot_events(
     after: frozenset[RobotId],
     seen: Mapping[RobotId, float],
     tick: Tick,
-    standing: frozenset[RobotId],
+    standing: Mapping[RobotId, str],
 ) -> tuple[SafetyEvent, ...]:
     """Robots that have just been stopped, and those that may move again."""
     stopped = [
@@ -149,10 +155,10 @@ def _robot_events(
 
 
 def _why(
-    robot: RobotId, seen: Mapping[RobotId, float], tick: Tick, standing: frozenset[RobotId]
+    robot: RobotId, seen: Mapping[RobotId, float], tick: Tick, standing: Mapping[RobotId, str]
 ) -> str:
     if robot in standing:
-        return "it may be another robot that wears the same tag"
+        return standing[robot]
     if robot in tick.lost_links:
         return "its radio link is down"
     return f"last seen {tick.t - seen[robot]:.2f} s ago, or it follows a robot that was stopped"

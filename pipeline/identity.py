@@ -1,12 +1,13 @@
 """Robots that wear the same tag: where each is expected, and for whom doubts remain."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from control.command import RobotId
 from control.estimation import Estimate
+from pipeline.guard import SafetyRules
 from pipeline.lookout import Lookout
 from pipeline.memory import Track
 from vision.locate import Prediction
@@ -88,6 +89,21 @@ def ambiguous_of(tracks: Tracks) -> frozenset[RobotId]:
         Their ids.
     """
     return frozenset(robot for robot, track in tracks.items() if track.ambiguous)
+
+
+def doubted(rules: SafetyRules, tracks: Tracks) -> Iterator[tuple[RobotId, str]]:
+    """Robots that have to stand because they may be another one.
+
+    Args:
+        rules: of safety; they may let them drive.
+        tracks: of all robots.
+
+    Yields:
+        Each, and why.
+    """
+    if not rules.drive_ambiguous:
+        for robot in ambiguous_of(tracks):
+            yield robot, "it may be another robot that wears the same tag"
 
 
 def doubts_told(tags: TagSet, before: Tracks, tracks: Tracks, t: float) -> tuple[str, ...]:

@@ -53,6 +53,27 @@ class Track:
 
 
 @dataclass(frozen=True, slots=True)
+class Obedience:
+    """Whether a robot does what it is told.
+
+    Attributes:
+        t: capture time from which on it has been in one place [s].
+        t_seen: capture time of its last sighting [s].
+        place: where it is [m, m, rad].
+        expected: where its commands should have taken it meanwhile, and how fast it should be.
+        until: it has to stand until then [s].
+        pause: for which it has to stand the next time [s].
+    """
+
+    t: float
+    t_seen: float
+    place: Pose2D
+    expected: UnicycleState
+    until: float = -inf
+    pause: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Glimpse:
     """Relative configurations seen in one frame while the robots are watched before the start.
 
@@ -129,6 +150,7 @@ class Memory:
     Attributes:
         t: of the last tick [s], None before the first.
         tracks: robots seen so far.
+        obedience: of robots that are seen.
         guard: of the safety rules.
         mission: phase and clock.
         route: the leader's plan now.
@@ -139,6 +161,7 @@ class Memory:
 
     t: float | None = None
     tracks: Mapping[RobotId, Track] = field(default_factory=dict)
+    obedience: Mapping[RobotId, Obedience] = field(default_factory=dict)
     guard: GuardMemory = field(default_factory=GuardMemory)
     mission: Mission = field(default_factory=Mission)
     route: Route = field(default_factory=Route)

@@ -1,16 +1,17 @@
 """ONE cycle: a tick in, commands out. Pure: the same memory and tick give the same bits.
 
 Read this file first. Each stage is a verb in a room of its own: `tracking` looks, corrects at the
-capture time and predicts; `guard` says who may move, `route` whether the leader's way is clear,
-`supervisor` whether the formation may move; `steering` runs the laws; `restraint` keeps bodies
-apart. Live runs and replays turn the same crank.
+capture time and predicts; `obedience` watches who does what it is told; `guard` says who may move,
+`route` whether the leader's way is clear, `supervisor` whether the formation may move; `steering`
+runs the laws; `restraint` keeps bodies apart. Live runs and replays turn the same crank.
 """
 
 from control.command import Command
 from datasets.cycle import Cycle, RobotState, Tick
 from pipeline.guard import watch_over
-from pipeline.identity import ambiguous_of, doubts_told
+from pipeline.identity import doubted, doubts_told
 from pipeline.memory import Laws, Memory
+from pipeline.obedience import disobedient, watch_obedience
 from pipeline.restraint import restrain
 from pipeline.route import renew, wanted_motion
 from pipeline.setup import Setup
@@ -43,8 +44,10 @@ def step(
     t_effective = tick.t + setup.radio_delay
     tracks = ahead_of(setup, tracks, t_effective)  # through the commands already sent
     seen = {robot: track.estimate.t for robot, track in tracks.items()}
+    obedience = watch_obedience(setup, memory.obedience, tracks, scene, tick)
+    standing = dict((*doubted(setup.rules, tracks), *disobedient(setup.rules, obedience, tick.t)))
     guard, shares, events = watch_over(
-        setup.rules, memory.guard, setup.formation, seen, tick, ambiguous_of(tracks)
+        setup.rules, memory.guard, setup.formation, seen, tick, standing
     )
     mission = watch(setup, memory.mission, scene)
     route, shares, met, news = renew(setup, memory.route, mission, tracks, shares, tick)
@@ -71,4 +74,4 @@ def step(
         (*doubts_told(setup.tags, memory.tracks, tracks, tick.t), *news, *notes),
     )  # fmt: skip
     light, frame = (memory.light, memory.frame) if scene is None else (scene.light, tick.frame)
-    return Memory(tick.t, tracks, guard, mission, route, laws, light, frame), cycle
+    return Memory(tick.t, tracks, obedience, guard, mission, route, laws, light, frame), cycle

@@ -26,9 +26,10 @@ from pipeline.operators.nobody import Nobody
 from pipeline.operators.open import open_operator
 from pipeline.placing import place_followers
 from pipeline.planners.open import open_planner
-from pipeline.ports import Observer, Operator
+from pipeline.ports import CommandSink, Observer, Operator
 from pipeline.progress import Progress
 from pipeline.publishers.open import open_publisher
+from pipeline.radios.none import NoRadio
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_scores, make_setup
@@ -111,7 +112,7 @@ def run_live(
     require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec, interrupted)) as rig:
-        scenario = paced(scenario, rig.sink.min_period, output)
+        scenario = unheard(paced(scenario, rig.sink.min_period, output), rig.sink)
         if request.camera != "rendered":  # a rendered world says where its robots start
             scenario = place_followers(scenario, rig, output.say, interrupted)
             if interrupted():
@@ -241,6 +242,22 @@ def paced(scenario: Scenario, min_period: float, output: Output) -> Scenario:
     output.say(f"the radio carries a command every {1e3 * period:.1f} ms: the law runs at that")
     control = scenario.control.model_copy(update={"command_period_s": period})
     return scenario.model_copy(update={"control": control})
+
+
+def unheard(scenario: Scenario, sink: CommandSink) -> Scenario:
+    """The scenario of robots that are told nothing: nobody expects them to obey.
+
+    Args:
+        scenario: checked scenario.
+        sink: where commands go.
+
+    Returns:
+        The scenario, changed if they go nowhere.
+    """
+    if not isinstance(sink, NoRadio):
+        return scenario
+    safety = scenario.safety.model_copy(update={"unmoved_m": 0.0})
+    return scenario.model_copy(update={"safety": safety})
 
 
 def _scenario(request: Request) -> Scenario:

@@ -67,7 +67,7 @@ class MiabotLine:
         self.robot_id, self.port = port.robot_id, port.port
         self._open, self._named, self._settings = port.open, port.named, settings
         self._clock, self._parser = clock, text.ReplyParser()
-        self._foreign, self._nonsense = 0, 0
+        self._foreign, self._nonsense, self._has_answered = 0, 0, False
         self._encoders: text.EncoderCounts | None = None
         self.sender = NewestSender(
             LinkSettings(port.port, text.STOP, settings.bytes_per_second, text.WHO_ARE_YOU),
@@ -121,7 +121,7 @@ class MiabotLine:
     def _greet(self, link: Link) -> None:
         """Set the robot's own deadman first; then see who is there."""
         link.write(text.timeout_command(self._settings.timeout_ms))
-        if self._settings.ask_who or self._named:
+        if self._settings.ask_who or self._named or self._has_answered:
             number = ask_number(link, self._parser, self.port)
             if self._named and isinstance(self.robot_id, int) and number != self.robot_id:
                 raise RadioError(
@@ -135,6 +135,7 @@ class MiabotLine:
             number, encoders = text.robot_number(reply), text.encoder_counts(reply)
             self._encoders = encoders or self._encoders
             if number is not None:
+                self._has_answered = True
                 self.sender.questions.answered(self._clock.now())
                 self._foreign += isinstance(self.robot_id, int) and number != self.robot_id
             elif encoders is None:

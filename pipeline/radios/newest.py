@@ -209,6 +209,8 @@ class NewestSender:
         busy = self._moving if message is None else False
         if question is None or stopping or busy or not self.questions.due(now):
             return
+        if self.questions.silent:  # what it is sent piles up somewhere, and may reach it stale
+            raise RadioError(f"radio {self._settings.name}: the robot answers no longer")
         self.questions.asked(now)
         link.write(question)
         with self._news:

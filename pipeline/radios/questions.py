@@ -7,7 +7,9 @@ from statistics import median
 
 from pipeline.radios.report import RoundTrip
 
-PERIOD = 1.0  # between two questions; an answer that takes longer has not come [s]
+PERIOD = 0.5  # between two questions that are answered [s]
+PATIENCE = 0.5  # an answer that takes longer has not come, and it is asked again at once [s]
+SILENT = 2  # questions in a row that a robot may leave unanswered, once it has answered
 KEPT = 256  # answers the median is of
 
 
@@ -24,7 +26,7 @@ class Questions:
         self._next = -inf
         self._out: float | None = None
         self._answers: deque[float] = deque(maxlen=KEPT)
-        self._answered, self._unanswered, self._longest = 0, 0, 0.0
+        self._answered, self._unanswered, self._missed, self._longest = 0, 0, 0, 0.0
 
     def due(self, now: float) -> bool:
         """Whether it is time to ask; what is out for too long is given up.
@@ -36,8 +38,9 @@ class Questions:
             True if the next question may go.
         """
         with self._lock:
-            if self._out is not None and now - self._out >= PERIOD:
-                self._out, self._unanswered = None, self._unanswered + 1
+            if self._out is not None and now - self._out >= PATIENCE:
+                self._out, self._next = None, -inf
+                self._unanswered, self._missed = self._unanswered + 1, self._missed + 1
             return self._out is None and now >= self._next
 
     def ask_soon(self) -> None:
@@ -55,12 +58,13 @@ class Questions:
             self._out, self._next = now, now + self._period
 
     def answered(self, now: float) -> None:
-        """Note an answer; one that nobody waits for changes nothing.
+        """Note an answer; one that nobody waits for is only a sign of life.
 
         Args:
             now: present time [s].
         """
         with self._lock:
+            self._missed = 0
             if self._out is None:
                 return
             took, self._out = now - self._out, None
@@ -72,7 +76,7 @@ class Questions:
         """Forget the question that is out: its link is gone, and no answer can come."""
         with self._lock:
             self._unanswered += self._out is not None
-            self._out = None
+            self._out, self._missed = None, 0
 
     def is_out(self, now: float, patience: float) -> bool:
         """Whether an answer may come any moment.
@@ -99,6 +103,12 @@ class Questions:
         with self._lock:
             before = self._answered
             return self._lock.wait_for(lambda: self._answered > before, timeout)
+
+    @property
+    def silent(self) -> bool:
+        """Whether a robot that has answered before does so no longer."""
+        with self._lock:
+            return self._answered > 0 and self._missed >= SILENT
 
     @property
     def tally(self) -> RoundTrip:

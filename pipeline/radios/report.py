@@ -42,7 +42,7 @@ class RoundTrip:
 
     Attributes:
         asked: questions that were answered or given up.
-        unanswered: of these, given up after a second.
+        unanswered: of these, given up after half a second.
         p50: median of the last answers [s]; None before the first.
         longest: of the whole run [s]; None before the first.
     """

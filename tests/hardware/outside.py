@@ -101,6 +101,7 @@ class Outside:
             take N, put N          robot N is taken off the floor, and put back where it was
             close N, open N        the serial port of robot N goes, and comes back
             block N, unblock N     it takes nothing, and everything again
+            deafen N, undeafen N   it takes all, but robot N reads nothing; and everything again
             freeze, thaw           the camera shows one picture over and over
             unplug, plug           the camera is gone, and comes back
             jump S                 times in the stream are S seconds ahead of the world's
@@ -139,8 +140,10 @@ class Outside:
             "put": partial(self._taken.discard, robot),
             "close": partial(self.ptys.unplug, index),
             "open": partial(self.ptys.plug, index),
-            "block": partial(self.ptys.block, index),
-            "unblock": partial(self.ptys.block, index, False),
+            "block": partial(self.ptys.deafen, index, True),
+            "unblock": partial(self.ptys.listen, index),
+            "deafen": partial(self.ptys.deafen, index, False),
+            "undeafen": partial(self.ptys.listen, index),
         }
         deeds[verb]()
 
@@ -206,7 +209,9 @@ class Outside:
             self.world.command(robot_id, twist, t + self._scenario.radio.delay_s)
 
 
-_OF_ROBOTS = ("cover", "uncover", "take", "put", "close", "open", "block", "unblock")
+_OF_ROBOTS = (
+    "cover", "uncover", "take", "put", "close", "open", "block", "unblock", "deafen", "undeafen",
+)  # fmt: skip
 
 
 def _robot_truth(robot_id: RobotId, miabot: Miabot) -> dict[str, Any]:

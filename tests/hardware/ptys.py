@@ -44,14 +44,14 @@ class Line:
             robot: who listens.
             path: of the port.
         """
-        self.robot, self.path, self.blocked = robot, path, False
+        self.robot, self.path, self.deaf, self.full = robot, path, False, False
         self.master = self._slave = -1
         self.plug()
 
     @property
     def heard(self) -> bool:
         """Whether the robot takes what is sent."""
-        return self.master >= 0 and not self.blocked
+        return self.master >= 0 and not self.deaf
 
     def plug(self) -> None:
         """Be there, behind a new pty at the same path."""
@@ -68,12 +68,16 @@ class Line:
             os.close(self._slave)
             self.master = -1
 
-    def block(self, blocked: bool, t: float) -> None:
-        """Take nothing any more, with the port's buffer full; or take all again."""
-        if blocked and self.heard:  # what has been sent by now has arrived
+    def deafen(self, t: float, full: bool) -> None:
+        """Read nothing any more; with a full buffer the port takes nothing either."""
+        if self.heard:  # what has been sent by now has arrived
             self.serve(bool(select.select((self.master,), (), (), 0.0)[0]), t)
-        self.blocked = blocked
+        self.deaf, self.full = True, full
         self._fill()
+
+    def listen(self) -> None:
+        """Read again, first of all what has been waiting."""
+        self.deaf = self.full = False
 
     def serve(self, ready: bool, t: float) -> None:
         """Let the robot hear, wake and answer; keep a blocked port's buffer full."""
@@ -86,7 +90,7 @@ class Line:
     def _fill(self) -> None:
         """Whoever blocks a line leaves no room for what is sent after somebody has cleared it."""
         with suppress(BlockingIOError):
-            while self.blocked and self.master >= 0:
+            while self.full and self.master >= 0:
                 os.write(self._slave, NOTHING)
 
 
@@ -129,14 +133,22 @@ class Ptys(Closed):
         """
         self._order(self._lines[n].plug)
 
-    def block(self, n: int, blocked: bool = True) -> None:
-        """Let a port take nothing: its far end reads no more, and its buffer is full.
+    def deafen(self, n: int, full: bool) -> None:
+        """Let a robot read nothing any more.
 
         Args:
             n: its index.
-            blocked: False: it takes everything again.
+            full: its port takes nothing either; else it takes all for a while, and keeps it.
         """
-        self._order(lambda: self._lines[n].block(blocked, self._clock()))
+        self._order(lambda: self._lines[n].deafen(self._clock(), full))
+
+    def listen(self, n: int) -> None:
+        """Let a robot read again.
+
+        Args:
+            n: its index.
+        """
+        self._order(self._lines[n].listen)
 
     def close(self) -> None:
         """Unplug all robots; whoever has a port open sees it go. Safe to call twice."""

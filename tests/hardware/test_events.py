@@ -30,7 +30,9 @@ WRITING = 0.1  # longest wait for a port that takes nothing [s]
 OWN_TIMEOUT = 0.3  # of the robots [s]
 BRAKING = 0.25  # motors that lag by 0.05 s, from 0.25 m/s to a standstill, and a frame [s]
 SLACK = 0.15  # a frame, two processes and a pty on a machine that does other things [s]
+NOTICED = 1.5  # that a robot answers no more: asked every 0.5 s, twice without an answer [s]
 LASTS, RECOVERS = 0.9, 1.4  # an event, and the time until the next [s]
+BURST = 0.02  # a robot that reads again has read all that had waited [s]
 SET = 1.5  # how long a clock is wrong [s]
 
 
@@ -101,6 +103,28 @@ def check_lost_link(by_robot: dict[int, Episode], notice: float, greetings: list
     assert lost.again < RECOVERS, lost
     greeted = min(t for t in greetings if t >= lost.end)
     assert lost.end + lost.again > greeted  # nothing that had waited in the port was said
+
+
+def test_a_robot_that_reads_no_more_is_lost(tmp_path: Path) -> None:
+    """Its port takes what it is sent all the same; behind what nobody can call back is a stop."""
+
+    def _course(run: Driven) -> None:
+        for order, seconds in (("deafen 3", NOTICED + LASTS), ("undeafen 3", 3.0)):
+            run.suffer(order, seconds)
+        assert "radio" in run.end(signal.SIGINT)
+
+    def _check(truth: Truth) -> None:
+        by_robot = of(told(truth), "deafen 3")
+        drove(by_robot[1])
+        stood(by_robot[2], NOTICED)
+        lost = by_robot[3]
+        assert lost.stood < OWN_TIMEOUT + BRAKING + SLACK, lost  # by itself
+        assert lost.again < 3.0, lost
+        stop = min(t for t in truth["robots"][2]["stops"] if t >= lost.end)
+        assert stop < lost.end + BURST
+        assert not [t for t in moves(truth["robots"][2]) if stop < t < stop + BURST]
+
+    held(tmp_path, _course, _check, Way(CHAIN))
 
 
 def test_a_camera_that_freezes_or_goes_stops_all_until_it_is_good_again(tmp_path: Path) -> None:

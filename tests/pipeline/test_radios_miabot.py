@@ -235,6 +235,27 @@ def test_a_blocked_port_is_lost_and_neither_stop_nor_close_hangs() -> None:
     assert [text for _, text in robot.received].count("s") >= 3
 
 
+def test_a_robot_that_answers_no_longer_is_lost_and_told_to_stand() -> None:
+    robot = Miabot()
+
+    def _sent() -> tuple[int | str, ...]:
+        return radio.send((command(v=0.2),), CLOCK.now())
+
+    with Ptys([robot], CLOCK.now) as ptys, connected(ptys.paths) as radio:
+        assert until(lambda: _sent() == () and radio.reports[0].round_trip.p50)
+        ptys.deafen(0, full=False)
+        deaf = CLOCK.now()
+        assert until(_sent)
+        assert CLOCK.now() - deaf < 1.8  # two questions of 0.5 s, the first within 0.5 s
+        assert "the robot answers no longer" in str(radio.reports[0].error)
+        assert not until(lambda: radio.reports[0].up, 2.5)  # it must answer first
+        ptys.listen(0)
+        assert until(lambda: radio.reports[0].up)
+        assert robot.wheels == (0, 0)
+        heard = len(robot.commands())
+        assert until(lambda: _sent() == () and len(robot.commands()) > heard)
+
+
 def fill(slave: int) -> int:
     """Write until nothing more fits, also after the kernel has moved what it can."""
     written, stuck = 0, 0

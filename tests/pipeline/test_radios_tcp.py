@@ -77,7 +77,7 @@ def test_round_trips_are_measured_and_silence_is_counted() -> None:
         assert trip.p50 is not None
         assert trip.longest is not None
         assert 0.0 < trip.p50 <= trip.longest < 0.5  # s; loopback and 2 ms between two looks
-        assert (trip.asked, trip.loss) == (2, 0.0)
+        assert (trip.asked, trip.loss) == (3, 0.0)
         end.deaf = True
         kept_sending(radio, 2.5, 1)
         after = link_reports(radio)[0].round_trip
