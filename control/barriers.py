@@ -89,12 +89,15 @@ def all_far(
     """
     half = clearance.half_side
     for i in range(len(poses)):
-        near = clearance.distance + 1.5 * half + _reach(twists, i, half) / clearance.rate
+        reach = _reach(twists, i, half)
+        near = clearance.distance + 1.5 * half + reach / clearance.rate
         if freedoms[i] > 0.0 and not _inside(poses, i, arena, near):
             return False
         for j in range(i):
             x, y = poses[i, 0] - poses[j, 0], poses[i, 1] - poses[j, 1]
             room = clearance.rate * (sqrt(x * x + y * y) - clearance.distance - 3.0 * half)
+            if room >= reach + _reach(twists, j, half):  # whatever their headings
+                continue
             if room < _closing(poses, twists, i, j, half) and freedoms[i] + freedoms[j] > 0.0:
                 return False
     return True

@@ -119,8 +119,8 @@ def predict(estimate: Estimate, t: float, sent: SentCommands, model: MotionModel
         return estimate
     old, gain = estimate.state, estimate.gain
     new = roll(old, estimate.t, t, sent, model, gain)
-    f = transition(old, new, dt, model.lag, gain)
-    covariance = f @ estimate.covariance @ f.T + process_noise(old, new, dt, model)
+    f = transition(old, new, dt, model.lag, gain).matrix
+    covariance = f @ estimate.covariance @ f.T + process_noise(old, new, dt, model).matrix
     mean = np.array([new.x, new.y, new.theta, new.v, new.omega, gain.v, gain.omega])
     return Estimate(t, mean, _symmetric(covariance))
 

@@ -6,6 +6,9 @@ from math import cos, pi, sin
 from control.compilable import compilable
 from control.value import value
 
+SMALL_TURN = 0.05
+"""Up to here short series give sine and cosine to the last bit [rad]."""
+
 
 @compilable
 def wrap_angle(angle: float) -> float:
@@ -18,6 +21,52 @@ def wrap_angle(angle: float) -> float:
         The equal angle in (-pi, pi] [rad].
     """
     return angle if -pi < angle <= pi else pi - (pi - angle) % (2.0 * pi)
+
+
+@compilable
+def cos_of_turn(angle: float) -> float:
+    """cos, by its series where that is exact to the last bit: turns within a step are small.
+
+    Args:
+        angle: any [rad].
+
+    Returns:
+        Its cosine.
+    """
+    if abs(angle) > SMALL_TURN:
+        return cos(angle)
+    square = angle * angle
+    beyond = square * square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40320.0)))
+    return 1.0 - 0.5 * square + beyond
+
+
+@compilable
+def sin_of_turn(angle: float) -> float:
+    """sin, as `cos_of_turn`.
+
+    Args:
+        angle: any [rad].
+
+    Returns:
+        Its sine.
+    """
+    return angle * sine_ratio(angle)
+
+
+@compilable
+def sine_ratio(angle: float) -> float:
+    """sin(angle) / angle, as `cos_of_turn`.
+
+    Args:
+        angle: any [rad].
+
+    Returns:
+        The ratio; 1 for 0.
+    """
+    if abs(angle) > SMALL_TURN:
+        return sin(angle) / angle
+    square = angle * angle
+    return 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))
 
 
 @value

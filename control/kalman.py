@@ -4,114 +4,115 @@ What `control/estimation.py` does with numpy and filterpy; the tests hold both a
 """
 
 from math import sqrt
-
-import numpy as np
+from typing import TypeAlias
 
 from control.actuation import DriveGain
 from control.compilable import compilable
 from control.geometry import wrap_angle
-from control.motion_model import Array
+from control.motion_model import Array, ProcessNoise, Transition
 from control.unicycle import UnicycleState
+
+Column: TypeAlias = tuple[float, float, float, float, float, float, float]
 
 GAIN_RANGE = (0.5, 2.0)
 """What a drive gain may be: a robot that is held or slips is no robot of gain 0."""
 
 
 @compilable
-def propagate(covariance: Array, f: Array, noise: Array) -> Array:
-    """Covariance after a roll: F P F' + Q.
+def propagate(covariance: Array, f: Transition, noise: ProcessNoise) -> None:
+    """Replace a covariance by that after a roll: F P F' + Q.
 
     Args:
-        covariance: (7, 7) P, symmetric.
-        f: (7, 7) Jacobian of the roll, `motion_model.transition`, upper triangular.
-        noise: (7, 7) Q, `motion_model.process_noise`.
-
-    Returns:
-        (7, 7), symmetric to the last bit.
+        covariance: (7, 7) P, symmetric; stays so to the last bit.
+        f: Jacobian of the roll.
+        noise: Q of the roll.
     """
-    half, new = np.empty((7, 7)), np.empty((7, 7))
+    p = covariance
+    for j in range(7):
+        column = p[0, j], p[1, j], p[2, j], p[3, j], p[4, j], p[5, j], p[6, j]
+        p[0, j], p[1, j], p[2, j], p[3, j], p[4, j] = _rolled(f, column)
     for i in range(7):
-        for j in range(7):
-            total = 0.0
-            for k in range(i, 7):
-                total += f[i, k] * covariance[j, k]
-            half[i, j] = total
-        for j in range(i + 1):
-            total = noise[i, j]
-            for k in range(j, 7):
-                total += half[i, k] * f[j, k]
-            new[i, j] = new[j, i] = total
-    return new
+        row = p[i, 0], p[i, 1], p[i, 2], p[i, 3], p[i, 4], p[i, 5], p[i, 6]
+        p[i, 0], p[i, 1], p[i, 2], p[i, 3], p[i, 4] = _rolled(f, row)
+    x, y, theta = noise.x, noise.y, noise.theta
+    p[0, 0] += x[0]
+    p[1, 0] += x[1]
+    p[2, 0] += x[2]
+    p[3, 0] += x[3]
+    p[4, 0] += x[4]
+    p[1, 1] += y[0]
+    p[2, 1] += y[1]
+    p[3, 1] += y[2]
+    p[4, 1] += y[3]
+    p[2, 2] += theta[0]
+    p[4, 2] += theta[1]
+    p[3, 3] += noise.speeds[0]
+    p[4, 4] += noise.speeds[1]
+    p[5, 5] += noise.gains[0]
+    p[6, 6] += noise.gains[1]
+    for i in range(1, 7):
+        for j in range(i):
+            p[j, i] = p[i, j]
 
 
 @compilable
 def correct_by_pose(
-    state: UnicycleState, gain: DriveGain, covariance: Array, measured: Array, noise: Array
-) -> tuple[UnicycleState, DriveGain, Array]:
-    """State, gains and covariance corrected by a pose measured at the same time, in Joseph's form.
+    state: UnicycleState, gain: DriveGain, covariance: Array, measured: Array, noise: Array,
+    room: Array,
+) -> tuple[UnicycleState, DriveGain]:  # fmt: skip
+    """State, gains and covariance corrected by a pose measured at the same time.
+
+    With the triangle L of the innovation's covariance, L L' = H P H' + R, and Y = L^-1 H P the
+    state gains Y' L^-1 (z - H x), the covariance loses Y' Y.
 
     Args:
         state: before.
         gain: before.
-        covariance: (7, 7) P before, symmetric.
-        measured: (3,) x, y, theta [m, m, rad].
+        covariance: (7, 7) P, symmetric; replaced, and stays so to the last bit.
+        measured: (3,) z: x, y, theta [m, m, rad].
         noise: (3, 3) R of the measured pose.
+        room: (7, 3) for Y', so that none has to be found every time.
 
     Returns:
-        State, gains kept within `GAIN_RANGE`, and (7, 7) covariance, symmetric to the last bit.
+        State, and gains kept within `GAIN_RANGE`.
     """
-    k, (low, high) = _kalman_gain(covariance, noise), GAIN_RANGE
-    a, b = measured[0] - state.x, measured[1] - state.y
-    c = wrap_angle(measured[2] - state.theta)
-    corrected = UnicycleState(
-        state.x + k[0, 0] * a + k[0, 1] * b + k[0, 2] * c,
-        state.y + k[1, 0] * a + k[1, 1] * b + k[1, 2] * c,
-        state.theta + k[2, 0] * a + k[2, 1] * b + k[2, 2] * c,
-        state.v + k[3, 0] * a + k[3, 1] * b + k[3, 2] * c,
-        state.omega + k[4, 0] * a + k[4, 1] * b + k[4, 2] * c,
-    )
-    gain_v = gain.v + k[5, 0] * a + k[5, 1] * b + k[5, 2] * c
-    gain_omega = gain.omega + k[6, 0] * a + k[6, 1] * b + k[6, 2] * c
-    within = DriveGain(max(low, min(high, gain_v)), max(low, min(high, gain_omega)))
-    return corrected, within, _joseph(covariance, k, noise)
-
-
-@compilable
-def _kalman_gain(covariance: Array, noise: Array) -> Array:
-    """K = P H' (H P H' + R)^-1, (7, 3), by Cholesky's triangle of the innovation's covariance."""
-    p, r = covariance, noise
+    p, r, y, (low, high) = covariance, noise, room, GAIN_RANGE
     a = 1.0 / sqrt(p[0, 0] + r[0, 0])  # of the triangle's diagonal a, c, f: one over it
     b, d = (p[1, 0] + r[1, 0]) * a, (p[2, 0] + r[2, 0]) * a
     c = 1.0 / sqrt(p[1, 1] + r[1, 1] - b * b)
     e = (p[2, 1] + r[2, 1] - b * d) * c
     f = 1.0 / sqrt(p[2, 2] + r[2, 2] - d * d - e * e)
-    k = np.empty((7, 3))
+    z0 = (measured[0] - state.x) * a
+    z1 = (measured[1] - state.y - b * z0) * c
+    z2 = (wrap_angle(measured[2] - state.theta) - d * z0 - e * z1) * f
     for i in range(7):
-        y0 = p[i, 0] * a
-        y1 = (p[i, 1] - b * y0) * c
-        k[i, 2] = (p[i, 2] - d * y0 - e * y1) * f * f
-        k[i, 1] = (y1 - e * k[i, 2]) * c
-        k[i, 0] = (y0 - b * k[i, 1] - d * k[i, 2]) * a
-    return k
-
-
-@compilable
-def _joseph(covariance: Array, k: Array, noise: Array) -> Array:
-    """(I - K H) P (I - K H)' + K R K'."""
-    p, r, new = covariance, noise, np.empty((7, 7))
+        y[i, 0] = p[i, 0] * a
+        y[i, 1] = (p[i, 1] - b * y[i, 0]) * c
+        y[i, 2] = (p[i, 2] - d * y[i, 0] - e * y[i, 1]) * f
     for i in range(7):
-        a, b, c = k[i, 0], k[i, 1], k[i, 2]
-        # row i of K R - (I - K H) P H'
-        u = a * r[0, 0] + b * r[1, 0] + c * r[2, 0] - _left(p, i, 0, a, b, c)
-        v = a * r[0, 1] + b * r[1, 1] + c * r[2, 1] - _left(p, i, 1, a, b, c)
-        w = a * r[0, 2] + b * r[1, 2] + c * r[2, 2] - _left(p, i, 2, a, b, c)
         for j in range(i + 1):
-            total = _left(p, i, j, a, b, c) + u * k[j, 0] + v * k[j, 1] + w * k[j, 2]
-            new[i, j] = new[j, i] = total
-    return new
+            p[i, j] -= y[i, 0] * y[j, 0] + y[i, 1] * y[j, 1] + y[i, 2] * y[j, 2]
+            p[j, i] = p[i, j]
+    corrected = UnicycleState(
+        state.x + y[0, 0] * z0 + y[0, 1] * z1 + y[0, 2] * z2,
+        state.y + y[1, 0] * z0 + y[1, 1] * z1 + y[1, 2] * z2,
+        state.theta + y[2, 0] * z0 + y[2, 1] * z1 + y[2, 2] * z2,
+        state.v + y[3, 0] * z0 + y[3, 1] * z1 + y[3, 2] * z2,
+        state.omega + y[4, 0] * z0 + y[4, 1] * z1 + y[4, 2] * z2,
+    )
+    gain_v = gain.v + y[5, 0] * z0 + y[5, 1] * z1 + y[5, 2] * z2
+    gain_omega = gain.omega + y[6, 0] * z0 + y[6, 1] * z1 + y[6, 2] * z2
+    return corrected, DriveGain(max(low, min(high, gain_v)), max(low, min(high, gain_omega)))
 
 
 @compilable
-def _left(p: Array, i: int, j: int, a: float, b: float, c: float) -> float:
-    """Entry of (I - K H) P, with row i of K."""
-    return float(p[i, j] - a * p[0, j] - b * p[1, j] - c * p[2, j])
+def _rolled(f: Transition, p: Column) -> tuple[float, float, float, float, float]:
+    """F times a column, but for its last two entries: they stay."""
+    x, y, theta = f.x, f.y, f.theta
+    return (
+        p[0] + x[0] * p[2] + x[1] * p[3] + x[2] * p[4] + x[3] * p[5] + x[4] * p[6],
+        p[1] + y[0] * p[2] + y[1] * p[3] + y[2] * p[4] + y[3] * p[5] + y[4] * p[6],
+        p[2] + theta[0] * p[4] + theta[1] * p[6],
+        f.v[0] * p[3] + f.v[1] * p[5],
+        f.omega[0] * p[4] + f.omega[1] * p[6],
+    )

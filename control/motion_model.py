@@ -64,6 +64,62 @@ class MotionModel:
             raise ControlError(f"a motion model needs a lag and deviations > 0, got {self}")
 
 
+@value
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """Jacobian of a roll with respect to the extended state: what is not as in the identity.
+
+    Attributes:
+        x: change of x per theta, v, omega and the gains of v and omega.
+        y: the same of y.
+        theta: change of theta per omega and the gain of omega.
+        v: change of v per v and the gain of v.
+        omega: change of omega per omega and the gain of omega.
+    """
+
+    x: tuple[float, float, float, float, float]
+    y: tuple[float, float, float, float, float]
+    theta: tuple[float, float]
+    v: tuple[float, float]
+    omega: tuple[float, float]
+
+    @property
+    def matrix(self) -> Array:
+        """(7, 7), upper triangular."""
+        f = np.eye(7)
+        f[0, 2:], f[1, 2:], f[2, 4::2] = self.x, self.y, self.theta
+        f[3, 3::2], f[4, 4::2] = self.v, self.omega
+        return f
+
+
+@value
+@dataclass(frozen=True, slots=True)
+class ProcessNoise:
+    """Covariance of what nobody knows in a roll; what is not given is 0.
+
+    Attributes:
+        x: covariances of x with x, y, theta, v, omega.
+        y: of y with y, theta, v, omega.
+        theta: of theta with theta, omega.
+        speeds: variances of v and omega.
+        gains: variances of the gains of v and omega.
+    """
+
+    x: tuple[float, float, float, float, float]
+    y: tuple[float, float, float, float]
+    theta: tuple[float, float]
+    speeds: tuple[float, float]
+    gains: tuple[float, float]
+
+    @property
+    def matrix(self) -> Array:
+        """(7, 7), symmetric."""
+        q = np.diag((self.x[0], self.y[0], self.theta[0], *self.speeds, *self.gains))
+        q[0, 1:5], q[1, 2:5], q[2, 4] = self.x[1:], self.y[1:], self.theta[1]
+        q[1:5, 0], q[2:5, 1], q[4, 2] = self.x[1:], self.y[1:], self.theta[1]
+        return q
+
+
 def roll(
     state: UnicycleState,
     t0: float,
@@ -121,7 +177,7 @@ def driven(
 @compilable
 def transition(
     old: UnicycleState, new: UnicycleState, dt: float, lag: float, gain: DriveGain
-) -> Array:
+) -> Transition:
     """Jacobian of the roll from old to new with respect to the extended state.
 
     Args:
@@ -132,27 +188,31 @@ def transition(
         gain: drive gains during the roll.
 
     Returns:
-        (7, 7), upper triangular.
+        Its entries.
     """
     commanded = lag != UNCOMMANDED
     decay = exp(-dt / lag)
     reach = lag * (1.0 - decay) if commanded else dt  # way per initial velocity
-    f = np.eye(7)
-    f[:2, 2] = old.y - new.y, new.x - old.x
-    f[3, 3] = f[4, 4] = decay
-    f[:5, 3] = _moved(old, new, way=reach, v=decay)
-    f[:5, 4] = _moved(old, new, turn=reach, omega=decay)
+    way = turn = v = omega = 0.0  # per gain
     if commanded:
         way, turn = _way_and_turn(old, new)
-        v, omega = new.v - decay * old.v, new.omega - decay * old.omega  # what the commands gave
-        f[:5, 5] = _moved(old, new, way=(way - reach * old.v) / gain.v, v=v / gain.v)
-        turn = (turn - reach * old.omega) / gain.omega
-        f[:5, 6] = _moved(old, new, turn=turn, omega=omega / gain.omega)
-    return f
+        way, turn = (way - reach * old.v) / gain.v, (turn - reach * old.omega) / gain.omega
+        v = (new.v - decay * old.v) / gain.v  # what the commands gave
+        omega = (new.omega - decay * old.omega) / gain.omega
+    (along_x, along_y), (aside_x, aside_y) = _per_way(old, new), _per_turn(old, new)
+    return Transition(
+        x=(old.y - new.y, reach * along_x, reach * aside_x, way * along_x, turn * aside_x),
+        y=(new.x - old.x, reach * along_y, reach * aside_y, way * along_y, turn * aside_y),
+        theta=(reach, turn),
+        v=(decay, v),
+        omega=(decay, omega),
+    )
 
 
 @compilable
-def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: MotionModel) -> Array:
+def process_noise(
+    old: UnicycleState, new: UnicycleState, dt: float, model: MotionModel
+) -> ProcessNoise:
     """Covariance that unknown accelerations and drifting gains add during the roll.
 
     Args:
@@ -162,27 +222,22 @@ def process_noise(old: UnicycleState, new: UnicycleState, dt: float, model: Moti
         model: how the robot moves.
 
     Returns:
-        (7, 7), symmetric.
+        Its entries.
     """
     way, cross, speed = _white_acceleration(dt, model.lag)
     forward = _HOLD * model.acceleration_std**2
     turning = _HOLD * model.angular_acceleration_std**2
     fw, fc, fs = forward * way, forward * cross, forward * speed
     tw, tc, ts = turning * way, turning * cross, turning * speed
-    (a, b, _, _, _), (c, d, _, _, _) = _moved(old, new, way=1.0), _moved(old, new, turn=1.0)
-    xy = fw * a * b + tw * c * d
+    (a, b), (c, d) = _per_way(old, new), _per_turn(old, new)
     way_driven, turned = _way_and_turn(old, new)
     drift = model.gain_drift**2
-    return np.array(
-        (
-            (fw * a * a + tw * c * c, xy, tw * c, fc * a, tc * c, 0.0, 0.0),
-            (xy, fw * b * b + tw * d * d, tw * d, fc * b, tc * d, 0.0, 0.0),
-            (tw * c, tw * d, tw, 0.0, tc, 0.0, 0.0),
-            (fc * a, fc * b, 0.0, fs, 0.0, 0.0, 0.0),
-            (tc * c, tc * d, tc, 0.0, ts, 0.0, 0.0),
-            (0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(way_driven), 0.0),
-            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, drift * abs(turned)),
-        )
+    return ProcessNoise(
+        x=(fw * a * a + tw * c * c, fw * a * b + tw * c * d, tw * c, fc * a, tc * c),
+        y=(fw * b * b + tw * d * d, tw * d, fc * b, tc * d),
+        theta=(tw, tc),
+        speeds=(fs, ts),
+        gains=(drift * abs(way_driven), drift * abs(turned)),
     )
 
 
@@ -195,20 +250,19 @@ def _way_and_turn(old: UnicycleState, new: UnicycleState) -> tuple[float, float]
 
 
 @compilable
-def _moved(
-    old: UnicycleState,
-    new: UnicycleState,
-    way: float = 0.0,
-    turn: float = 0.0,
-    v: float = 0.0,
-    omega: float = 0.0,
-) -> tuple[float, float, float, float, float]:
-    """Change of the new state by a little more way, turn and speed on the way there."""
+def _per_way(old: UnicycleState, new: UnicycleState) -> tuple[float, float]:
+    """Change of the end by a little more way [1]."""
     middle = 0.5 * (old.theta + new.theta)
-    # turning evenly on the way, the robot ends beside its end by half the turn times the way
-    x = way * cos(middle) - 0.5 * turn * (new.y - old.y)
-    y = way * sin(middle) + 0.5 * turn * (new.x - old.x)
-    return x, y, turn, v, omega
+    return cos(middle), sin(middle)
+
+
+@compilable
+def _per_turn(old: UnicycleState, new: UnicycleState) -> tuple[float, float]:
+    """Change of the end by a little more turn [m/rad].
+
+    Turning evenly on the way, the robot ends beside its end by half the turn times the way.
+    """
+    return -0.5 * (new.y - old.y), 0.5 * (new.x - old.x)
 
 
 @compilable

@@ -10,7 +10,7 @@ Bearing as in (7): psi = pi is straight behind the leader, 0 straight ahead, pi/
 """
 
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin
+from math import atan2, cos, pi, sin, sqrt
 from typing import TypeAlias
 
 from control.compilable import compilable
@@ -69,7 +69,7 @@ def relative_state(leader: Pose2D, follower: Pose2D, camera_offset: float) -> Re
     rx = leader.x - follower.x - camera_offset * cos(follower.theta)
     ry = leader.y - follower.y - camera_offset * sin(follower.theta)
     return RelativeState(
-        hypot(rx, ry),  # (6)
+        sqrt(rx * rx + ry * ry),  # (6)
         wrap_angle(pi + atan2(ry, rx) - leader.theta),  # (7)
         wrap_angle(leader.theta - follower.theta),
     )

@@ -5,7 +5,7 @@ from math import cos, exp, sin
 
 from control.compilable import compilable
 from control.errors import ControlError
-from control.geometry import Pose2D
+from control.geometry import Pose2D, sine_ratio
 from control.value import value
 
 
@@ -176,14 +176,5 @@ def _along_arc(
 ) -> tuple[float, float, float]:
     """End of an arc of length ``way`` [m] that turns by ``turn`` [rad]."""
     half = 0.5 * turn
-    chord = way * _sine_ratio(half)
+    chord = way * sine_ratio(half)
     return x + chord * cos(theta + half), y + chord * sin(theta + half), theta + turn
-
-
-@compilable
-def _sine_ratio(angle: float) -> float:
-    """sin(angle) / angle; by its series, exact to the last bit, where that ends soon."""
-    if abs(angle) > 0.05:
-        return sin(angle) / angle
-    square = angle * angle
-    return 1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0)))

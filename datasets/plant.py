@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from control.compilable import compilable
+from control.geometry import cos_of_turn, sin_of_turn
 
 Motion: TypeAlias = tuple[float, float, float, float, float]  # x, y, theta, v, omega
 Floats = NDArray[np.float64]
@@ -47,12 +48,13 @@ def motion_after(motion: Motion, goal_v: float, goal_omega: float, lag: float, d
     x, y, theta, v, omega = motion
     dv, dw = v - goal_v, omega - goal_omega
     early, late = (exp(-_EARLY * dt / lag), exp(-_LATE * dt / lag)) if lag > 0.0 else (0.0, 0.0)
-    for node, decay in ((_EARLY, early), (_LATE, late)):
-        s = node * dt
-        heading = theta + goal_omega * s + dw * lag * (1.0 - decay)
-        way = 0.5 * dt * (goal_v + dv * decay)
-        x += way * cos(heading)
-        y += way * sin(heading)
+    first = goal_omega * _EARLY * dt + dw * lag * (1.0 - early)  # turned by then
+    last = goal_omega * _LATE * dt + dw * lag * (1.0 - late)
+    middle, half = theta + 0.5 * (first + last), 0.5 * (last - first)
+    along = dt * (goal_v + 0.5 * dv * (early + late)) * cos_of_turn(half)
+    aside = 0.5 * dt * dv * (early - late) * sin_of_turn(half)
+    c, s = cos(middle), sin(middle)
+    x, y = x + along * c + aside * s, y + along * s - aside * c
     decay = early * late  # the nodes share out the step
     theta += goal_omega * dt + dw * lag * (1.0 - decay)
     return x, y, theta, goal_v + dv * decay, goal_omega + dw * decay

@@ -7,7 +7,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.faults.script import OF_LINKS, OF_ROBOTS, Kind, Script
+from benchmarks.faults.script import OF_ROBOTS, UNHEARD, Kind, Script
 from control.command import RobotId
 from control.geometry import Pose2D
 from control.unicycle import Twist, UnicycleState, advance_pose
@@ -96,7 +96,7 @@ class Outside(World):
         return tuple(r for r in seen if self._script.on(OF_ROBOTS, t, r.robot_id) is None)
 
     def command(self, robot_id: RobotId, twist: Twist, t_arrival: float) -> None:
-        """Let a command reach a robot, if its link is up.
+        """Let a command reach a robot, if its link is up and it listens.
 
         Args:
             robot_id: who is to obey.
@@ -104,7 +104,7 @@ class Outside(World):
             t_arrival: when it reaches the wheels [s].
         """
         sent = t_arrival - self._delay
-        if self._script.on(OF_LINKS, sent, robot_id) is None:
+        if self._script.on(UNHEARD, sent, robot_id) is None:
             self.watched.told.append((sent, robot_id, twist))
             super().command(robot_id, twist, t_arrival)
 

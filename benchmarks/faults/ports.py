@@ -174,7 +174,7 @@ class Person:
         Args:
             script: what goes wrong.
         """
-        self._script, self._asked = script, -inf
+        self._script, self._asked, self._again = script, -inf, False
 
     def orders(self, now: float) -> Orders:
         """What is wanted since the last time.
@@ -183,12 +183,14 @@ class Person:
             now: the moment of the cycle [s].
 
         Returns:
-            The orders; a stop counts more than an older arming.
+            The orders; where a stop and its arming come together the stop counts, and whoever sees
+            that arms again.
         """
         since, self._asked = self._asked, now
         pressed = [fault for fault in self._script.faults if fault.kind is Kind.HALTED]
         halt = any(since < fault.begin <= now for fault in pressed)
-        arm = any(since < fault.end <= now for fault in pressed)
+        arm = self._again or any(since < fault.end <= now for fault in pressed)
+        self._again = halt and arm
         return Orders(halt=halt, arm=arm) if halt or arm else NO_ORDERS
 
     def close(self) -> None:

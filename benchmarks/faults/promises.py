@@ -8,10 +8,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import inf
 
-from benchmarks.faults.script import CATCHES_UP, OF_LINKS, Fault, Kind
+from benchmarks.faults.script import CATCHES_UP, UNHEARD, Fault, Kind
 from control.command import RobotId
 from control.formation import Formation
 from pipeline.config import Scenario
+from pipeline.obedience import FIRST_PAUSE
 from pipeline.radios.link import WRITE_TIMEOUT
 from pipeline.setup import Setup
 
@@ -20,6 +21,7 @@ STILL = 0.005, 0.05  # a robot stands that is slower [m/s, rad/s]
 MOVING = 0.02, 0.2  # and moves that is faster [m/s, rad/s]
 RESUMES = 0.4  # from when it may move: a frame, its latency, two ticks, and motors [s]
 COMES_RIGHT = 6.0  # from when all may move until they are in place: as from the start [s]
+LAST_PAUSE = 2.0 * FIRST_PAUSE  # of a robot that did not obey for 2 s [s]
 CAMERA = (Kind.UNPLUGGED, Kind.FROZEN, Kind.OLD_STAMPS)
 AT_ONCE = (Kind.STALLED, Kind.SIGKILL)
 
@@ -100,6 +102,8 @@ class Promises:
         Returns:
             The moment; of old stamps, pictures are news again after as long as they are old [s].
         """
+        if fault.kind is Kind.UNMOVED:
+            return fault.end + LAST_PAUSE
         if fault.kind is not Kind.OLD_STAMPS:
             return self.still_until(fault)
         news = fault.begin + min(fault.size, fault.end - fault.begin)
@@ -123,7 +127,7 @@ class Promises:
         return fault.robot not in (None, root) or root not in self.driven
 
     def _waits(self, fault: Fault) -> Mapping[RobotId, float]:
-        """How long after its begin each robot stands."""
+        """How long after its begin each robot stands; infinite where nothing is promised."""
         rules, formation = self.setup.rules, self.setup.formation
         tick = self.setup.period
         arrives = tick + self.setup.radio_delay + self.motors
@@ -136,8 +140,8 @@ class Promises:
         if fault.robot is None:
             return {}
         followers = followers_of(formation, fault.robot)
-        if fault.kind in OF_LINKS:
-            noticed = WRITE_TIMEOUT if fault.kind is Kind.BLOCKED else 0.0
+        if fault.kind in UNHEARD:
+            noticed = {Kind.CLOSED: 0.0, Kind.BLOCKED: WRITE_TIMEOUT}.get(fault.kind, inf)
             told = dict.fromkeys(followers, noticed + tick + arrives)
             return told | {fault.robot: self.alone}
         return dict.fromkeys((fault.robot, *followers), rules.stop_after + tick + arrives)
@@ -154,7 +158,7 @@ class Promises:
         mute = [
             other
             for other in others
-            if other.kind in AT_ONCE or (other.kind in OF_LINKS and other.robot == robot)
+            if other.kind in AT_ONCE or (other.kind in UNHEARD and other.robot == robot)
         ]
         begin, deadline = fault.begin, fault.begin + wait
         return (

@@ -21,6 +21,7 @@ class Kind(Enum):
     TAKEN = "robot taken away"
     CLOSED = "link closed"
     BLOCKED = "link blocked"
+    UNMOVED = "robot does not obey"
     STALLED = "host stalled"
     HALTED = "emergency stop"
     GONE = "camera gone for good"
@@ -37,6 +38,7 @@ LASTS = {
     Kind.TAKEN: (0.6, 3.0),
     Kind.CLOSED: (0.02, 2.0),
     Kind.BLOCKED: (0.02, 2.0),
+    Kind.UNMOVED: (0.6, 2.0),
     Kind.STALLED: (1.0, 1.0),
     Kind.HALTED: (0.5, 3.0),
 }
@@ -45,7 +47,10 @@ LASTS = {
 ENDS = (Kind.GONE, Kind.SIGTERM, Kind.SIGKILL)
 """Faults that end a run."""
 
-OF_ROBOTS, OF_LINKS = (Kind.COVERED, Kind.TAKEN), (Kind.CLOSED, Kind.BLOCKED)
+OF_ROBOTS = (Kind.COVERED, Kind.TAKEN)
+UNHEARD = (Kind.CLOSED, Kind.BLOCKED, Kind.UNMOVED)
+"""Faults during which a robot hears nothing."""
+
 SIZES = {Kind.OLD_STAMPS: (0.35, 0.9), Kind.CLOCK_STEP: (-3600.0, 3600.0)}
 CATCHES_UP = 2.0  # time there is to catch up, per time a leader may have driven on alone [1]
 PAIRS = 0.35  # share of the faults during which another one begins
@@ -122,7 +127,7 @@ class Plot:
         groups: number of groups of faults.
         rest: between the end of a group and the begin of the next, at least [s].
         robots: who can be covered.
-        driven: who has a link; only they can be taken away.
+        driven: who has a link; only they can be taken away, or not obey.
         ending: share of the missions whose last fault ends them.
     """
 
@@ -167,7 +172,7 @@ def _group(plot: Plot, begin: float, rng: np.random.Generator) -> tuple[Fault, .
 
 def _fault(plot: Plot, kind: Kind, begin: float, rng: np.random.Generator) -> Fault:
     end, robot = begin + rng.uniform(*LASTS[kind]), None
-    if kind in OF_ROBOTS or kind in OF_LINKS:
+    if kind in OF_ROBOTS or kind in UNHEARD:
         who = plot.robots if kind is Kind.COVERED else plot.driven
         robot = who[rng.integers(len(who))]
     size = rng.uniform(*SIZES[kind]) if kind in SIZES else 0.0

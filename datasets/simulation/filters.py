@@ -19,11 +19,13 @@ class Filters(NamedTuple):
         means: (R, 7) estimates of states and drive gains.
         covariance: (R, 7, 7) of them.
         ahead: (R, 5) every robot's state, rolled forward.
+        room: (7, 3) for `kalman.correct_by_pose`.
     """
 
     means: Floats
     covariance: Floats
     ahead: Floats
+    room: Floats
 
 
 @compilable
@@ -38,7 +40,7 @@ def nothing_seen(count: int) -> Filters:
     """
     means = np.zeros((count, 7))
     means[:, 5:] = 1.0
-    return Filters(means, np.zeros((count, 7, 7)), np.zeros((count, 5)))
+    return Filters(means, np.zeros((count, 7, 7)), np.zeros((count, 5)), np.empty((7, 3)))
 
 
 @compilable
@@ -88,23 +90,25 @@ def see(
         sent: (T, R, 2) commands.
         ticks: first tick with commands, and the present one.
     """
-    model, means = host.motion if ticks[0] < ticks[1] else host.free_motion, filters.means
+    model = host.motion if ticks[0] < ticks[1] else host.free_motion
+    means, ahead = filters.means, filters.ahead
+    ahead[:] = means[:, :5]
+    roll_ahead(ahead, means, host, t0, t1, sent, ticks)
     for robot in range(len(measured)):
         covariance = filters.covariance[robot]
         if np.isnan(t0):
             _begin(covariance, host.free_motion, noise[0])
             means[robot, :3] = measured[robot]
         else:
-            old, gain = state_of(means, robot), gain_of(means, robot)
-            new = roll_through(old, t0, t1, sent, robot, ticks, host, gain)
+            old, new, gain = state_of(means, robot), state_of(ahead, robot), gain_of(means, robot)
             f = transition(old, new, t1 - t0, model.lag, gain)
-            before = propagate(covariance, f, process_noise(old, new, t1 - t0, model))
-            state, gain, covariance[:] = correct_by_pose(
-                new, gain, before, measured[robot], noise[1]
+            propagate(covariance, f, process_noise(old, new, t1 - t0, model))
+            state, gain = correct_by_pose(
+                new, gain, covariance, measured[robot], noise[1], filters.room
             )
             _put(means, robot, state)
             means[robot, 5], means[robot, 6] = gain.v, gain.omega
-        filters.ahead[robot] = means[robot, :5]
+    ahead[:] = means[:, :5]
 
 
 @compilable
@@ -112,57 +116,34 @@ def roll_ahead(
     ahead: Floats, means: Floats, host: Host, t0: float, t1: float, sent: Floats,
     ticks: tuple[int, int],
 ) -> None:  # fmt: skip
-    """Roll all states forward to the moment when the next commands take effect.
+    """`motion_model.roll` of all robots through a table of commands.
 
     Args:
-        ahead: (R, 5) states at t0, replaced.
+        ahead: (R, 5) states at t0, replaced by those at t1.
         means: (R, 7) as in `Filters`.
-        host: motion models.
-        t0: the moment they are rolled from [s].
-        t1: the moment when the next commands take effect [s].
-        sent: (T, R, 2) commands.
-        ticks: first tick with commands, and the present one.
-    """
-    for robot in range(len(ahead)):
-        state, gain = state_of(ahead, robot), gain_of(means, robot)
-        _put(ahead, robot, roll_through(state, t0, t1, sent, robot, ticks, host, gain))
-
-
-@compilable
-def roll_through(
-    state: UnicycleState, t0: float, t1: float, sent: Floats, robot: int, ticks: tuple[int, int],
-    host: Host, gain: DriveGain,
-) -> UnicycleState:  # fmt: skip
-    """`motion_model.roll` through a table of commands instead of `SentCommands`.
-
-    Args:
-        state: pose and velocities at t0.
-        t0: start [s].
-        t1: end; the state is returned as it is unless t1 > t0 [s].
-        sent: (T, R, 2) commands, by the tick that sent them.
-        robot: whose.
-        ticks: first tick with commands, and the one after the last that has sent some.
         host: period, delay, motion models.
-        gain: velocities it reaches per velocity commanded.
-
-    Returns:
-        Pose and velocities at t1.
+        t0: start [s].
+        t1: end; nothing changes unless t1 > t0 [s].
+        sent: (T, R, 2) commands, by the tick that sent them.
+        ticks: first tick with commands, and the one after the last that has sent some.
     """
     first, end = ticks
-    standstill = Twist(0.0, 0.0)
-    if first >= end:
-        return driven(state, standstill, max(t1 - t0, 0.0), host.free_motion.lag, gain)
     number = end - 1
     while number >= first and number * host.period + host.delay > t0:
         number -= 1
     while t0 < t1:
-        until = (number + 1) * host.period + host.delay if number + 1 < end else t1
-        until = min(until, t1)
-        given = number >= first
-        command = Twist(sent[number, robot, 0], sent[number, robot, 1]) if given else standstill
-        state = driven(state, command, until - t0, host.motion.lag, gain)
+        until, lag = t1, host.motion.lag
+        if first >= end:
+            lag = host.free_motion.lag
+        elif number + 1 < end:
+            until = min((number + 1) * host.period + host.delay, t1)
+        for robot in range(len(ahead)):
+            command = Twist(0.0, 0.0)
+            if first <= number < end:
+                command = Twist(sent[number, robot, 0], sent[number, robot, 1])
+            state, gain = state_of(ahead, robot), gain_of(means, robot)
+            _put(ahead, robot, driven(state, command, until - t0, lag, gain))
         t0, number = until, number + 1
-    return state
 
 
 @compilable

@@ -102,7 +102,7 @@ def test_transition_against_finite_differences(lag: float) -> None:
 
     numeric = np.array([(end(start + h) - end(start - h)) / 2e-6 for h in 1e-6 * np.eye(7)]).T
     old, new = UnicycleState(*start[:5]), UnicycleState(*end(start)[:5])
-    exact = transition(old, new, dt, lag, DriveGain(*start[5:]))
+    exact = transition(old, new, dt, lag, DriveGain(*start[5:])).matrix
     # entries of the way are of the order 1e-2: speeds are taken as even within the interval
     np.testing.assert_allclose(exact, numeric, atol=1e-4)
 
@@ -111,10 +111,10 @@ def test_transition_against_finite_differences(lag: float) -> None:
 def test_process_noise_is_additive_over_pieces_and_positive(lag: float) -> None:
     model = MotionModel(lag=lag, gain_drift=0.0)
     straight = UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0)
-    whole, step = process_noise(straight, straight, 0.03, model), np.zeros((7, 7))
-    f = transition(straight, straight, 0.01, lag, DriveGain())
+    whole, step = process_noise(straight, straight, 0.03, model).matrix, np.zeros((7, 7))
+    f = transition(straight, straight, 0.01, lag, DriveGain()).matrix
     for _ in range(3):
-        step = f @ step @ f.T + process_noise(straight, straight, 0.01, model)
+        step = f @ step @ f.T + process_noise(straight, straight, 0.01, model).matrix
     np.testing.assert_allclose(whole, step, rtol=1e-9, atol=1e-15)
     assert np.linalg.eigvalsh(whole).min() > -1e-12
 

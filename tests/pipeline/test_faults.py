@@ -13,14 +13,14 @@ import pytest
 from benchmarks.faults import drive as driving
 from benchmarks.faults.drive import drive_script
 from benchmarks.faults.missions import COURSES, made
-from benchmarks.faults.script import ENDS, LASTS, Fault, Kind, Plot, Script, draw
+from benchmarks.faults.script import ENDS, LASTS, UNHEARD, Fault, Kind, Plot, Script, draw
 from benchmarks.faults.verdict import judge
 
 LAPS = "paper, in laps"
 FIRST, APART = 2.0, 9.5  # the first fault, and from one to the next [s]
 HALTS = [kind for kind in LASTS if kind is not Kind.CLOCK_STEP]
 SIZES = {Kind.OLD_STAMPS: 0.6, Kind.CLOCK_STEP: -1000.0}
-CONCERNS = {Kind.COVERED: 2, Kind.TAKEN: 3, Kind.CLOSED: 1, Kind.BLOCKED: 3}
+CONCERNS = {Kind.COVERED: 2, Kind.TAKEN: 3, Kind.CLOSED: 1, Kind.BLOCKED: 3, Kind.UNMOVED: 1}
 LONG = {Kind.OLD_STAMPS: 2.0}
 
 
@@ -90,7 +90,7 @@ def test_a_script_is_the_same_for_the_same_seed_and_has_all_kinds() -> None:
     assert scripts[7] == draw(plot, np.random.default_rng(7))
     faults = [fault for script in scripts for fault in script.faults]
     assert {fault.kind for fault in faults} == set(Kind)
-    assert all(f.robot in (2, 3) for f in faults if f.kind in (Kind.TAKEN, Kind.CLOSED))
+    assert all(f.robot in (2, 3) for f in faults if f.kind in (Kind.TAKEN, *UNHEARD))
     assert any(len(group) == 2 for script in scripts for group in script.groups)
 
 
