@@ -6,6 +6,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from control.compilable import compilable
 from control.follower import FollowerModel, SlidingGains
 from control.leader import LeaderGains
 from control.motion_model import MotionModel
@@ -79,7 +80,7 @@ class Field(NamedTuple):
 
 
 class Chance(NamedTuple):
-    """What happens to N runs and does not depend on what the robots do.
+    """What happens to N runs, or to one, without the first axis; robots cannot change it.
 
     Attributes:
         ticks: (N, 3) first tick with commands, the one after the last, number of all ticks.
@@ -107,7 +108,7 @@ class Chance(NamedTuple):
 
 
 class Trace(NamedTuple):
-    """What N runs were, tick by tick; rows behind a run's last tick mean nothing.
+    """What N runs were, or one, tick by tick; rows behind a run's last tick mean nothing.
 
     Attributes:
         states: (N, T, R, 5) true x, y, theta, v, omega.
@@ -120,6 +121,38 @@ class Trace(NamedTuple):
     ahead: Floats
     commands: Floats
     kept: NDArray[np.bool_]
+
+
+@compilable
+def chance_of(chance: Chance, run: int) -> Chance:
+    """What happens to one run.
+
+    Args:
+        chance: of all runs.
+        run: number of the run.
+
+    Returns:
+        Its part of the tables.
+    """
+    return Chance(
+        chance.ticks[run], chance.mission[run], chance.share[run], chance.frame[run],
+        chance.taken[run], chance.stamp[run], chance.noise[run], chance.lost[run],
+        chance.tones[run], chance.rates[run],
+    )  # fmt: skip
+
+
+@compilable
+def trace_of(trace: Trace, run: int) -> Trace:
+    """What one run is.
+
+    Args:
+        trace: of all runs.
+        run: number of the run.
+
+    Returns:
+        Its part of the tables, to be filled.
+    """
+    return Trace(trace.states[run], trace.ahead[run], trace.commands[run], trace.kept[run])
 
 
 class Goals(NamedTuple):

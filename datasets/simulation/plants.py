@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from control.compilable import compilable
 from control.unicycle import SpeedLimits, Twist
 from control.value import value
 from datasets.plant import GRID, SLACK, Motion, motion_after, wave
-from datasets.simulation.inputs import Floats
+from datasets.simulation.inputs import Chance, Floats, Host
 
 
 @value
@@ -113,48 +112,46 @@ def place(starts: Floats, plants: Floats, first_command: int) -> list[Vehicle]:
 
 @compilable
 def drive_until(
-    vehicle: Vehicle, robot: int, tick: int, period: float, delay: float, sent: Floats,
-    lost: NDArray[np.bool_], taken: Floats, poses: Floats, tones: Floats,
-) -> Vehicle:  # fmt: skip
-    """Let a robot drive until a tick; pictures that fall due on the way are taken.
+    vehicles: list[Vehicle], tick: int, host: Host, chance: Chance, sent: Floats, poses: Floats
+) -> None:
+    """Let all robots drive until a tick; pictures that fall due on the way are taken.
 
     Args:
-        vehicle: the robot.
-        robot: its number.
+        vehicles: the robots, replaced by themselves at the tick.
         tick: number of the tick.
-        period: between two ticks [s].
-        delay: from a tick to the arrival of its commands [s].
+        host: period and delay.
+        chance: what happens to the run.
         sent: (T, R, 2) commands of all ticks before this one.
-        lost: (T, R) commands that never arrive.
-        taken: (F,) when the pictures are taken, ascending [s].
-        poses: (F, R, 3) filled with where robots are in every picture.
-        tones: (R, 2, TONES, 2) of the disturbances.
-
-    Returns:
-        The robot at the tick.
+        poses: (F, R, 3) filled with where robots are measured in every picture.
     """
-    t, plant, leg, drive = tick * period, vehicle.plant, vehicle.leg, vehicle.drive
-    grid, command, picture = vehicle.grid, vehicle.command, vehicle.picture
-    while True:
-        while command < tick and lost[command, robot]:
-            command += 1
-        due, arrival = grid * GRID, command * period + delay if command < tick else inf
-        begin = due if abs(arrival - due) < SLACK else min(arrival, due)
-        while picture < len(taken) and taken[picture] <= min(begin, t):
-            motion = leg.at(taken[picture])
-            for axis in range(3):
-                poses[picture, robot, axis] = motion[axis]
-            picture += 1
-        if begin > t:
-            return Vehicle(plant, leg, drive, grid, command, picture)
-        if arrival < begin + SLACK:
-            drive = Twist(sent[command, robot, 0], sent[command, robot, 1])
-            command += 1
-        grid += begin == due
-        push = 0.0, 0.0
-        if plant.push_v > 0.0 or plant.push_omega > 0.0:
-            push = wave(tones[robot, 0], begin), wave(tones[robot, 1], begin)
-        leg = _next_leg(leg, begin, plant, drive, push)
+    t, lost, taken = tick * host.period, chance.lost, chance.taken
+    noise, tones = chance.noise, chance.tones
+    for robot in range(len(vehicles)):
+        vehicle = vehicles[robot]
+        plant, leg, drive = vehicle.plant, vehicle.leg, vehicle.drive
+        grid, command, picture = vehicle.grid, vehicle.command, vehicle.picture
+        while True:
+            while command < tick and lost[command, robot]:
+                command += 1
+            due = grid * GRID
+            arrival = command * host.period + host.delay if command < tick else inf
+            begin = due if abs(arrival - due) < SLACK else min(arrival, due)
+            while picture < len(taken) and taken[picture] <= min(begin, t):
+                motion = leg.at(taken[picture])
+                for axis in range(3):
+                    poses[picture, robot, axis] = motion[axis] + noise[picture, robot, axis]
+                picture += 1
+            if begin > t:
+                break
+            if arrival < begin + SLACK:
+                drive = Twist(sent[command, robot, 0], sent[command, robot, 1])
+                command += 1
+            grid += begin == due
+            push = 0.0, 0.0
+            if plant.push_v > 0.0 or plant.push_omega > 0.0:
+                push = wave(tones[robot, 0], begin), wave(tones[robot, 1], begin)
+            leg = _next_leg(leg, begin, plant, drive, push)
+        vehicles[robot] = Vehicle(plant, leg, drive, grid, command, picture)
 
 
 @compilable
