@@ -150,6 +150,7 @@ class SafetyConfig(Section):
     hold: bool = False
     drive_ambiguous: bool = False
     unmoved_m: NonNegative = 0.1
+    together: bool = False
     clearance_m: NonNegative = 0.02
     approach_rate_per_s: Positive = 8.0
     arena_m: tuple[Finite, Finite, Finite, Finite] | None = None

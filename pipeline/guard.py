@@ -30,6 +30,7 @@ class SafetyRules:
         drive_ambiguous: robots that may be another one with the same tag are driven, too.
         unmoved: a robot whose wheels were told to roll so far within a second and that is seen
             standing does not obey; 0: that is not watched [m].
+        together: when one robot has to slow down or stand, all do: nobody is left behind.
     """
 
     slow_after: float = 0.2
@@ -40,6 +41,7 @@ class SafetyRules:
     hold: bool = False
     drive_ambiguous: bool = False
     unmoved: float = 0.1
+    together: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,14 +105,14 @@ def _shares(
     tick: Tick,
     standing: Mapping[RobotId, str],
 ) -> dict[RobotId, float]:
-    """A robot's own share, limited by that of the robot it follows."""
+    """A robot's own share, limited by that of the robot it follows, or of all."""
     own = {
         robot: 0.0 if robot in standing else _own_share(rules, robot, seen, tick)
         for robot in formation.robots
     }
     for pair in formation.pairs:  # leaders first, so limits travel down the tree
         own[pair.follower] = min(own[pair.follower], own[pair.leader])
-    return own
+    return dict.fromkeys(own, min(own.values())) if rules.together else own
 
 
 def _own_share(
@@ -161,4 +163,4 @@ def _why(
         return standing[robot]
     if robot in tick.lost_links:
         return "its radio link is down"
-    return f"last seen {tick.t - seen[robot]:.2f} s ago, or it follows a robot that was stopped"
+    return f"last seen {tick.t - seen[robot]:.2f} s ago, or another one stands that it minds"

@@ -101,5 +101,5 @@ def _rules(scenario: Scenario) -> SafetyRules:
     s = scenario.safety
     return SafetyRules(
         s.slow_after_s, s.stop_after_s, s.camera_silent_s, s.good_frames_s, s.give_up_s,
-        s.hold, s.drive_ambiguous, s.unmoved_m,
+        s.hold, s.drive_ambiguous, s.unmoved_m, s.together,
     )  # fmt: skip

@@ -22,6 +22,7 @@ MOVING = 0.02, 0.2  # and moves that is faster [m/s, rad/s]
 RESUMES = 0.4  # from when it may move: a frame, its latency, two ticks, and motors [s]
 COMES_RIGHT = 6.0  # from when all may move until they are in place: as from the start [s]
 LAST_PAUSE = 2.0 * FIRST_PAUSE  # of a robot that did not obey for 2 s [s]
+ONE_FRAME = 1.0 / 30.0  # of the missions' cameras [s]
 CAMERA = (Kind.UNPLUGGED, Kind.FROZEN, Kind.OLD_STAMPS)
 AT_ONCE = (Kind.STALLED, Kind.SIGKILL)
 
@@ -80,17 +81,18 @@ class Promises:
             if robot in self.driven
         )  # fmt: skip
 
-    def still_until(self, fault: Fault) -> float:
+    def still_until(self, fault: Fault, missed: float = 0.0) -> float:
         """Until when those concerned stand.
 
         Args:
             fault: one.
+            missed: how long before and after it no picture came, by chance [s].
 
         Returns:
             Its end; a second of good frames more after those that make all blind [s].
         """
         blind = fault.kind in (Kind.UNPLUGGED, Kind.FROZEN, Kind.STALLED)
-        short = fault.end - fault.begin <= self.setup.rules.camera_silent
+        short = fault.end - fault.begin + missed <= self.setup.rules.camera_silent
         return fault.end + (self.setup.rules.good_frames if blind and not short else 0.0)
 
     def free_from(self, fault: Fault) -> float:
@@ -105,7 +107,7 @@ class Promises:
         if fault.kind is Kind.UNMOVED:
             return fault.end + LAST_PAUSE
         if fault.kind is not Kind.OLD_STAMPS:
-            return self.still_until(fault)
+            return self.still_until(fault, ONE_FRAME)
         news = fault.begin + min(fault.size, fault.end - fault.begin)
         return max(fault.end, news + self.setup.rules.good_frames)
 

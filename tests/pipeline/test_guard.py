@@ -1,5 +1,7 @@
 """The safety rules: who is slowed, who stands, when motion resumes. Times in s."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -39,6 +41,20 @@ def test_an_unseen_robot_and_its_followers_slow_down_then_stand() -> None:
 def test_a_robot_never_seen_or_without_link_stands() -> None:
     assert after({1: 0.05, 2: 0.05, 3: 0.05}) == {1: 1.0, 2: 1.0, 3: 1.0, 4: 0.0}
     assert after({1: 0.05, 2: 0.05, 3: 0.05, 4: 0.05}, lost=(2,)) == {1: 1, 2: 0, 3: 0, 4: 1}
+
+
+def test_together_nobody_goes_on_without_another() -> None:
+    lost, up = Tick(10.0, FRAME, (3,)), Tick(10.0, FRAME)
+    seen, before = {1: 9.95, 2: 9.95, 3: 9.95, 4: 9.75}, GuardMemory(t_frame=9.97)
+    together = replace(RULES, together=True)
+    for rules, tick, shares in (
+        (RULES, lost, [1.0, 1.0, 0.0, 0.5]),
+        (together, lost, [0.0] * 4),
+        (together, up, [0.5] * 4),
+    ):
+        _, after, events = watch_over(rules, before, CHAIN, seen, tick)
+        assert [after[robot] for robot in (1, 2, 3, 4)] == pytest.approx(shares)
+        assert {e.robot_id for e in events} == {r for r, share in after.items() if share == 0.0}
 
 
 def story(frames: list[float], until: float) -> tuple[dict[float, bool], list[SafetyEvent]]:
