@@ -38,7 +38,10 @@ class Course:
 
 COURSES: Mapping[str, Course] = {
     "paper, in laps": Course(
-        "paper", (f"leader.segments=[{_OVAL}]", "duration_s=50.0"), (2.0, 10.0), 3
+        "paper",
+        (f"leader.segments=[{_OVAL}]", "duration_s=50.0", "safety.together=true"),
+        (2.0, 10.0),
+        3,
     ),
     "paper": Course("paper", ("leader.speed_mps=0.25", "duration_s=16.0"), (1.0, 4.0)),
     "cascade": Course("cascade", ("leader.speed_mps=0.2", "duration_s=16.0"), (1.0, 4.0)),

@@ -125,8 +125,8 @@ class Promises:
 
     def _leaves_behind(self, fault: Fault) -> bool:
         """Whether the leader drives on while followers stand."""
-        root = self.setup.formation.root
-        return fault.robot not in (None, root) or root not in self.driven
+        root, together = self.setup.formation.root, self.setup.rules.together
+        return (fault.robot not in (None, root) and not together) or root not in self.driven
 
     def _waits(self, fault: Fault) -> Mapping[RobotId, float]:
         """How long after its begin each robot stands; infinite where nothing is promised."""

@@ -25,11 +25,14 @@ def with_law_of_robot_3(tmp_path: Path, law: str) -> str:
 
 @pytest.mark.parametrize("law", LAW_NAMES)
 def test_every_law_keeps_the_formation_through_pixels(law: str) -> None:
-    _, result, _ = run_scenario("paper", 3, (f"control.law={law}", "safety.clearance_m=0"))
+    """Those that switch run at 200 Hz: at 100 Hz they chatter by 0.7 to 6 deg, seed by seed."""
+    switches = law in ("sampled-twisting", "suboptimal", "first-order-sign")
+    period = f"control.command_period_s={0.005 if switches else 0.01}"
+    changes = (f"control.law={law}", "safety.clearance_m=0", period)
+    _, result, _ = run_scenario("paper", 3, changes)
     distance, bearing = worst(result)
-    switched = law in ("sampled-twisting", "suboptimal", "first-order-sign")
-    assert distance <= (4.0 if switched else 2.0)  # mm
-    assert bearing <= (1.5 if switched else 1.2)  # deg
+    assert distance <= 2.0  # mm
+    assert bearing <= 1.2  # deg
     assert not result.safety_events
 
 

@@ -47,8 +47,9 @@ def question(y: float = 0.0) -> Question:
 def test_a_planner_aside_answers_as_one_that_is_waited_for() -> None:
     with planner() as aside:
         assert aside.answer() is None
-        aside.ask(question())
-        there, here = waited(aside), answered(question())
+        beside = question(0.03)  # one way is shorter than the other
+        aside.ask(beside)
+        there, here = waited(aside), answered(beside)
         assert there.plan
         assert here.plan
         np.testing.assert_allclose(there.plan.control_points, here.plan.control_points, atol=1e-3)
