@@ -93,7 +93,7 @@ def watch_over(
     stopped = frozenset(robot for robot, share in shares.items() if share == 0.0 and robot in seen)
     events = (
         *_camera_events(memory, t_silent, steady, tick.t, rules),
-        *_robot_events(memory.stopped, stopped, seen, tick, standing),
+        *_robot_events(rules, memory.stopped, stopped, seen, tick, standing),
     )
     return GuardMemory(t_frame, None if steady else t_silent, stopped), shares, events
 
@@ -138,6 +138,7 @@ def _camera_events(
 
 
 def _robot_events(
+    rules: SafetyRules,
     before: frozenset[RobotId],
     after: frozenset[RobotId],
     seen: Mapping[RobotId, float],
@@ -146,21 +147,28 @@ def _robot_events(
 ) -> tuple[SafetyEvent, ...]:
     """Robots that have just been stopped, and those that may move again."""
     stopped = [
-        SafetyEvent(tick.t, "robot-stopped", robot, _why(robot, seen, tick, standing))
+        SafetyEvent(tick.t, "robot-stopped", robot, _why(rules, robot, seen, tick, standing))
         for robot in sorted(after - before, key=str)
     ]
     freed = [
-        SafetyEvent(tick.t, "robot-free", robot, "seen again, link up")
+        SafetyEvent(tick.t, "robot-free", robot, "nothing holds it any more")
         for robot in sorted(before - after, key=str)
     ]
     return (*stopped, *freed)
 
 
 def _why(
-    robot: RobotId, seen: Mapping[RobotId, float], tick: Tick, standing: Mapping[RobotId, str]
+    rules: SafetyRules,
+    robot: RobotId,
+    seen: Mapping[RobotId, float],
+    tick: Tick,
+    standing: Mapping[RobotId, str],
 ) -> str:
     if robot in standing:
         return standing[robot]
     if robot in tick.lost_links:
         return "its radio link is down"
-    return f"last seen {tick.t - seen[robot]:.2f} s ago, or another one stands that it minds"
+    unseen = tick.t - seen[robot]
+    if unseen >= rules.slow_after:
+        return f"last seen {unseen:.2f} s ago"
+    return "another robot stands" if rules.together else "a robot that it follows stands"

@@ -79,7 +79,8 @@ def _seen(
     lookout: Lookout, one: Obedience | None, track: Track, pose: Pose2D, t: float
 ) -> Obedience:
     """What is known once a robot was seen at a place."""
-    here = UnicycleState(pose.x, pose.y, pose.theta, track.ahead.v, track.ahead.omega)
+    state = track.estimate.state
+    here = UnicycleState(pose.x, pose.y, pose.theta, state.v, state.omega)
     if one is None:
         return Obedience(t, t, pose, here, pause=FIRST_PAUSE)
     if t <= one.t_seen:

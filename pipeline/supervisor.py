@@ -54,7 +54,8 @@ def supervise(
     after = _next(setup, mission, tracks, shares, tick)
     if after.phase not in ("running", "finished") and after.t_start is not None:
         after = replace(after, t_start=after.t_start + dt)
-    after = replace(after, held=mission.held + dt if after.phase == "holding" else 0.0)
+    waited = min(dt, setup.rules.camera_silent)  # a host that slept has not been patient meanwhile
+    after = replace(after, held=mission.held + waited if after.phase == "holding" else 0.0)
     if after.held >= setup.rules.give_up:
         after = replace(after, phase="given-up")
     if after.phase != "running":

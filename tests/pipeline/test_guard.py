@@ -55,6 +55,11 @@ def test_together_nobody_goes_on_without_another() -> None:
         _, after, events = watch_over(rules, before, CHAIN, seen, tick)
         assert [after[robot] for robot in (1, 2, 3, 4)] == pytest.approx(shares)
         assert {e.robot_id for e in events} == {r for r, share in after.items() if share == 0.0}
+        why = {e.robot_id: e.detail for e in events}
+        if tick is lost:
+            assert why[3] == "its radio link is down"
+            assert why.get(1, "another robot stands") == "another robot stands"
+            assert why.get(4, "last seen 0.25 s ago") == "last seen 0.25 s ago"
 
 
 def story(frames: list[float], until: float) -> tuple[dict[float, bool], list[SafetyEvent]]:

@@ -122,12 +122,18 @@ def test_a_robot_that_moves_again_has_its_first_pause_again() -> None:
 
 
 def test_old_frames_and_a_switched_off_rule_change_nothing() -> None:
+    twists, poses = [Twist(0.5, 0.0)] * 30, [ORIGIN] * 30
+    assert any(stands(told(twists, poses)))
     off = setup_of("safety.unmoved_m=0")
-    tick = Tick(1.0, as_frame(IMAGE, 0.9, 0))
-    scene = Scene(0.9, (), (), PALETTE_LIGHT)
-    before = {1: Obedience(0.0, 0.0, ORIGIN, UnicycleState(1.0, 0.0, 0.0, 1.0, 0.0))}
-    assert watch_obedience(off, before, {}, scene, tick) is before
-    assert watch_obedience(setup_of(), before, {}, None, Tick(1.0)) is before
+    with pytest.raises(KeyError):  # nothing is known of the robot
+        told(twists, poses, off)
+    estimate = Estimate(0.0, np.zeros(7), np.zeros((7, 7)))
+    tracks: dict[RobotId, Track] = {1: Track(estimate, estimate.state, 0.0)}
+    seen = Detection(1, ORIGIN, PixelPose(0.0, 0.0, 0.0), np.eye(3), 0.0, 1.0)
+    before = {1: Obedience(0.95, 0.95, Pose2D(1.0, 0.0, 0.0), estimate.state)}
+    tick, scene = Tick(1.0, as_frame(IMAGE, 0.9, 0)), Scene(0.9, (seen,), (), PALETTE_LIGHT)
+    assert watch_obedience(setup_of(), before, tracks, scene, tick) == before
+    assert watch_obedience(setup_of(), before, tracks, None, Tick(1.0)) is before
 
 
 class Dead:

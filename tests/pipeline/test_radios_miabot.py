@@ -3,36 +3,23 @@
 import os
 import time
 import tty
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
 
 from control.command import Command
 from control.unicycle import Twist
-from pipeline.clock import MonotonicClock
 from pipeline.errors import RadioError
 from pipeline.radios.miabot import MiabotRadio
 from pipeline.radios.miabot_line import MiabotPort, MiabotSettings
 from tests.hardware.miabot_robot import Miabot
 from tests.hardware.ptys import Ptys
+from tests.pipeline.radios import CLOCK, command, until
 
 pytestmark = pytest.mark.realtime
 
-CLOCK = MonotonicClock()
 DEFAULTS = MiabotSettings()
-
-
-def until(happened: Callable[[], object], patience: float = 5.0) -> bool:
-    end = time.monotonic() + patience
-    while not happened() and time.monotonic() < end:
-        time.sleep(0.005)
-    return bool(happened())
-
-
-def command(robot_id: int | str = 1, v: float = 0.1, omega: float = 0.0) -> Command:
-    now = CLOCK.now()
-    return Command(robot_id, Twist(v, omega), now, now + 0.1)
 
 
 @contextmanager

@@ -96,6 +96,15 @@ def test_a_latched_stop_outlasts_the_patience_for_a_lost_robot() -> None:
     assert phases(course([(GO, True), (HALT, True), *[(GO, False)] * long]))[-1] == "stopped"
 
 
+def test_a_host_that_was_stopped_for_a_minute_has_not_lost_its_patience() -> None:
+    setup, mission = setup_of(), course([(GO, True), (GO, False)])[-1][0]
+    assert mission.phase == "holding"
+    shares = dict.fromkeys(setup.formation.robots, 0.0)
+    after, _, _ = supervise(setup, mission, {}, shares, Tick(60.0), 60.0)
+    assert after.phase == "holding"
+    assert after.held < 1.0  # s
+
+
 def test_on_hold_the_start_and_every_return_wait_for_a_person() -> None:
     seen, away = (GO, True), (GO, False)
     entries = course([seen, seen, (ARM, True), seen, away, seen, seen, (ARM, True)], hold=True)
