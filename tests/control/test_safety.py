@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import minimize
 
 from control.actuation import Actuation, DriveGain
+from control.barriers import all_far, corner_rows
 from control.errors import ControlError
 from control.safety import Arena, Clearance, Floats, keep_apart
 from control.unicycle import SpeedLimits, Twist, UnicycleState, advance_lagged
@@ -212,6 +213,22 @@ def drive(poses: Floats, seconds: float, seed: int, arena: Arena) -> Floats:
         if len(states) > 1:
             assert pair_gaps(poses, sides).min() > 0.018
     return poses
+
+
+@given(
+    st.floats(0.08, 0.6), st.floats(-pi, pi), st.floats(-pi, pi), st.floats(-pi, pi),
+    *[st.floats(-1.5, 1.5)] * 2, *[st.floats(-6.0, 6.0)] * 2,
+)  # fmt: skip
+@settings(max_examples=2000)
+def test_who_is_seen_to_be_far_breaks_no_row(
+    apart: float, at: float, one: float, other: float, v: float, u: float, w: float, z: float
+) -> None:
+    poses = np.array([(0.0, 0.0, one), (apart * cos(at), apart * sin(at), other)])
+    twists, free = np.array([(v, w), (u, z)]), np.ones(2)
+    if all_far(poses, twists, free, CLEARANCE, OPEN):
+        for i, j, iv, iw, jv, jw, least in corner_rows(poses, twists, free, CLEARANCE, OPEN):
+            rate = iv * twists[i, 0] + iw * twists[i, 1] + jv * twists[j, 0] + jw * twists[j, 1]
+            assert rate >= least - 1e-12
 
 
 def test_bodies_too_near_may_part_but_not_come_closer() -> None:

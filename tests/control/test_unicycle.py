@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from control.errors import ControlError
-from control.geometry import Pose2D
+from control.geometry import Pose2D, cos_of_turn, sin_of_turn, sine_ratio
 from control.unicycle import (
     SpeedLimits,
     Twist,
@@ -90,3 +90,10 @@ def test_saturation_keeps_limits_and_what_is_within(v: float, omega: float) -> N
 def test_limits_must_be_positive(limits: tuple[float, float]) -> None:
     with pytest.raises(ControlError, match="speed limits"):
         SpeedLimits(*limits)
+
+
+@given(st.floats(-0.2, 0.2))
+def test_series_of_small_turns_are_sine_and_cosine_to_the_last_bit(angle: float) -> None:
+    assert cos_of_turn(angle) == pytest.approx(cos(angle), rel=2.3e-16, abs=0.0)
+    assert sin_of_turn(angle) == pytest.approx(sin(angle), rel=4.5e-16, abs=0.0)
+    assert sine_ratio(0.0) == 1.0
