@@ -130,9 +130,11 @@ def test_old_frames_and_a_switched_off_rule_change_nothing() -> None:
     estimate = Estimate(0.0, np.zeros(7), np.zeros((7, 7)))
     tracks: dict[RobotId, Track] = {1: Track(estimate, estimate.state, 0.0)}
     seen = Detection(1, ORIGIN, PixelPose(0.0, 0.0, 0.0), np.eye(3), 0.0, 1.0)
-    before = {1: Obedience(0.95, 0.95, Pose2D(1.0, 0.0, 0.0), estimate.state)}
+    there = UnicycleState(1.0, 0.0, 0.0, 0.0, 0.0)
+    held = Obedience(0.95, 0.95, ORIGIN, there, until=2.0, pause=2.0)  # it has just been stopped
     tick, scene = Tick(1.0, as_frame(IMAGE, 0.9, 0)), Scene(0.9, (seen,), (), PALETTE_LIGHT)
-    assert watch_obedience(setup_of(), before, tracks, scene, tick) == before
+    for before in ({1: held}, {1: Obedience(0.95, 0.95, there.pose, there)}):
+        assert watch_obedience(setup_of(), before, tracks, scene, tick) == before
     assert watch_obedience(setup_of(), before, tracks, None, Tick(1.0)) is before
 
 
