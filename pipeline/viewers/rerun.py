@@ -24,7 +24,7 @@ _QUEUE = 8  # moments; a quarter of a second
 _PERIOD = 1.0 / 30.0  # between drawings [s]
 _SILENCE = 0.1  # without frames, draw this often [s]
 _START_LIMIT = 20.0  # for the viewer to open [s]
-_LIVE_END_LIMIT = 0.8  # for the viewer to take the rest [s]
+_LIVE_END_LIMIT = 2.0  # for the viewer to take the rest; the robots stand already [s]
 _FILE_END_LIMIT = 60.0  # for a file to be finished [s]
 
 

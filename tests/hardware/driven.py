@@ -1,6 +1,7 @@
 """`echelon live` in a ring while things happen to it, and how fast its robots stood."""
 
 import os
+import signal
 import subprocess
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -50,6 +51,7 @@ class Driven:
             (*command, *map(str, way.options), *changes, "--duration", "60", "--json"),
             cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "PYTHONUNBUFFERED": "1", **way.environment},
+            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),  # nohup ignores it
         )  # fmt: skip
 
     def under_way(self) -> None:
