@@ -23,7 +23,7 @@ from pipeline.lookout import make_lookout
 from pipeline.ports import FrameSource
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.seeing import make_seeing
+from pipeline.seeing import make_ready_seeing
 from vision.frame import Frame
 
 BELIEVED = load_scenario(
@@ -147,7 +147,7 @@ def measured(world: HiddenWorld, seed: int) -> Moved:
     Returns:
         What was found.
     """
-    seeing = make_seeing(BELIEVED)
+    seeing = make_ready_seeing(BELIEVED)
     ground = make_ground(BELIEVED, seeing.camera, seeing.tags.tags[0].side)
     load_filter()
     with closing(connect(_true_scenario(world), "rendered", None, seed, True)) as rig:

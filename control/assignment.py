@@ -19,8 +19,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from control.actuation import require_finite
 from control.command import RobotId
@@ -149,7 +149,7 @@ def _squares(starts: Sequence[Vector2], ends: Sequence[Vector2]) -> NDArray[np.f
 
 def _first_best(costs: NDArray[np.float64]) -> list[int]:
     """Columns of the rows with the least sum; of equal ones the first in lexical order."""
-    columns = linear_sum_assignment(costs)[1]
+    columns = scipy.optimize.linear_sum_assignment(costs)[1]
     least = costs[np.arange(len(costs)), columns].sum()
     best: list[int] = columns.tolist()
     spent = 0.0
@@ -157,7 +157,7 @@ def _first_best(costs: NDArray[np.float64]) -> list[int]:
         for j in sorted(k for k in best[i + 1 :] if k < best[i]):
             others = [k for k in best[i:] if k != j]
             rest = costs[i + 1 :, others]
-            order = linear_sum_assignment(rest)[1]
+            order = scipy.optimize.linear_sum_assignment(rest)[1]
             if spent + costs[i, j] + rest[range(len(order)), order].sum() <= least + _TIE:
                 best[i:] = [j, *(others[k] for k in order)]
                 break

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from control.demands import Demands
 from control.follower import SlidingGains
@@ -188,4 +188,4 @@ def _greatest_error(gains: SlidingGains, demand: Demands, doubt: Doubt) -> float
 def _greatest_pace(slack: Callable[[float], float]) -> float | None:
     if slack(1.0) > 0.0:
         return 1.0
-    return float(brentq(slack, 0.0, 1.0, xtol=1e-3)) if slack(0.0) > 0.0 else None
+    return float(scipy.optimize.brentq(slack, 0.0, 1.0, xtol=1e-3)) if slack(0.0) > 0.0 else None

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from math import cos, sin, sqrt
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import OptimizeResult, least_squares
 
 from control.actuation import DriveGain
 from control.errors import ControlError
@@ -107,7 +107,7 @@ def fit_drive(sent: SentCommands, seen: Sequence[SeenPose]) -> DriveFit:
         whitened: Floats = np.einsum("kij,kj->ki", whitening, errors)
         return whitened.ravel()
 
-    result = least_squares(
+    result = scipy.optimize.least_squares(
         _residuals, (*poses[0], *_GUESS), bounds=(_LOW, _HIGH), x_scale=_SCALE,
         loss="soft_l1", f_scale=_OUTLIER,
     )  # fmt: skip
@@ -154,7 +154,7 @@ def _tag_poses(parameters: Floats, sent: SentCommands, times: Floats) -> Floats:
     return np.array(poses)
 
 
-def _require_told(result: OptimizeResult) -> None:
+def _require_told(result: "scipy.optimize.OptimizeResult") -> None:
     """Refuse what was driven if it does not tell the whole drive."""
     if min(result.x[_DRIVE][:2]) < _HARDLY:
         raise ControlError("it hardly moved when told to")
@@ -165,7 +165,7 @@ def _require_told(result: OptimizeResult) -> None:
         raise ControlError(f"what was driven does not tell its {', '.join(vague)}")
 
 
-def _covariance(result: OptimizeResult) -> Floats:
+def _covariance(result: "scipy.optimize.OptimizeResult") -> Floats:
     """Of the drive's parameters; errors of poses in a row are not independent (Newey, West)."""
     jacobian: Floats = result.jac
     bread = np.linalg.inv(jacobian.T @ jacobian)

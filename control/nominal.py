@@ -6,8 +6,8 @@ e'' + K e' + L e = 0 with K, L > 0: two real poles, a double pole, or a complex 
 from math import atan2, atanh, inf, isfinite, pi, sqrt
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from control.actuation import require_finite
 from control.channel import ChannelGains
@@ -86,7 +86,7 @@ def half_width(gains: ChannelGains, bound: float, rate: float = 0.0) -> float:
 
     if _excess(0.0) >= 0.0:
         return 0.0
-    return bound if _excess(bound) <= 0.0 else float(brentq(_excess, 0.0, bound))
+    return bound if _excess(bound) <= 0.0 else float(scipy.optimize.brentq(_excess, 0.0, bound))
 
 
 def _next(gains: ChannelGains, value: float, rate: float) -> float:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import cos, sin
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from control.geometry import Pose2D
 from control.motion_model import Array
@@ -30,7 +30,7 @@ class End:
     left: tuple[float, ...]
 
 
-def spline_basis(end: float) -> BSpline:
+def spline_basis(end: float) -> "scipy.interpolate.BSpline":
     """Basis functions of a clamped spline with even knots.
 
     Args:
@@ -41,10 +41,12 @@ def spline_basis(end: float) -> BSpline:
     """
     inner = np.linspace(0.0, end, CONTROL_POINTS - DEGREE + 1)
     knots = np.concatenate((np.zeros(DEGREE), inner, np.full(DEGREE, end)))
-    return BSpline(knots, np.eye(CONTROL_POINTS), DEGREE)
+    return scipy.interpolate.BSpline(knots, np.eye(CONTROL_POINTS), DEGREE)
 
 
-def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> tuple[Array, Array]:
+def curves_between(
+    ends: tuple[End, End], spline: "scipy.interpolate.BSpline", length: float
+) -> tuple[Array, Array]:
     """All curves between two ends, as control points best + directions w that cost |w|^2 more.
 
     The cost is the integral of |P'''|^2, over what the way takes from rest to rest.
@@ -73,7 +75,7 @@ def curves_between(ends: tuple[End, End], spline: BSpline, length: float) -> tup
     return best.reshape(2, -1), directions.reshape(2, CONTROL_POINTS, -1)
 
 
-def _fixed(end: End, spline: BSpline, at: float) -> list[tuple[Array, float]]:
+def _fixed(end: End, spline: "scipy.interpolate.BSpline", at: float) -> list[tuple[Array, float]]:
     """Rows and values of what an end fixes, on x and y of the control points."""
     c, s = cos(end.pose.theta), sin(end.pose.theta)
     place = [((1.0, 0.0), 0, end.pose.x), ((0.0, 1.0), 0, end.pose.y)]

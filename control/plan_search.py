@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from control.motion_model import Array
 from control.plan_problem import FINER, Problem
@@ -114,7 +114,7 @@ def _slsqp(problem: Problem, chosen: NDArray[np.bool_], guess: Array) -> Array:
     times = np.asarray(chosen.any(axis=0))
     at_times, rows = problem.at(times), chosen[:, times]
     rows &= np.abs(at_times.jacobian(guess)).max(axis=2) > _FIXED
-    found = minimize(
+    found = scipy.optimize.minimize(
         lambda w: (0.5 * w @ w, w),
         guess,
         jac=True,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from math import atan2, cos, inf, pi, sin
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from control.actuation import require_finite
 from control.flatness import in_time, motion
@@ -37,12 +37,12 @@ class SplinePlan:
     law: TimeLaw
     heading: float
     t_start: float
-    _curves: tuple[BSpline, ...] = field(init=False, repr=False)
+    _curves: tuple["scipy.interpolate.BSpline", ...] = field(init=False, repr=False)
     _headings: tuple[Array, Array] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         self.control_points.flags.writeable = False
-        curve = BSpline(spline_basis(self.law.end).t, self.control_points, DEGREE)
+        curve = scipy.interpolate.BSpline(spline_basis(self.law.end).t, self.control_points, DEGREE)
         object.__setattr__(self, "_curves", tuple(curve.derivative(i) for i in range(4)))
         s = np.linspace(0.0, self.law.end, _FINE)
         x, y = self._curves[1](s).T

@@ -7,7 +7,7 @@ A plan is p(t) = P(S(t)). At a standstill p has no direction, so P never stands 
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PPoly
+import scipy
 
 from control.motion_model import Array
 
@@ -25,10 +25,10 @@ class TimeLaw:
     times: tuple[float, ...]
     paces: tuple[float, ...]
     slopes: tuple[float, ...]
-    _way: PPoly = field(init=False, repr=False, compare=False)
+    _way: "scipy.interpolate.PPoly" = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        pace = CubicHermiteSpline(self.times, self.paces, self.slopes)
+        pace = scipy.interpolate.CubicHermiteSpline(self.times, self.paces, self.slopes)
         object.__setattr__(self, "_way", pace.antiderivative())
 
     @property

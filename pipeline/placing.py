@@ -9,7 +9,7 @@ from pipeline.errors import ConfigError
 from pipeline.live import Rig
 from pipeline.looking import look
 from pipeline.ports import EndOfStream
-from pipeline.seeing import make_seeing
+from pipeline.seeing import make_ready_seeing
 from pipeline.shaping import assign_followers, leaves_open
 
 PAUSE = 0.01  # between two looks for a new frame [s]
@@ -51,7 +51,7 @@ def _watched(
     scenario: Scenario, rig: Rig, say: Callable[[str], None], interrupted: Callable[[], bool]
 ) -> Mapping[RobotId, Pose2D] | None:
     """Poses of all robots in one frame; None on an interruption. Tells who is missing, at times."""
-    seeing, missing = make_seeing(scenario), [robot.id for robot in scenario.robots]
+    seeing, missing = make_ready_seeing(scenario), [robot.id for robot in scenario.robots]
     told = rig.clock.now()
     while not interrupted():
         now = rig.clock.now()

@@ -4,6 +4,8 @@ Functions are compiled, or loaded from disk, when they are first called. Some ar
 a robot is lost, covered or taken for another, or when the light jumps: just then nobody may wait.
 """
 
+from importlib import import_module
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +33,7 @@ def rehearse(detector: Detector) -> None:
     Args:
         detector: that will be used.
     """
+    import_module("scipy.optimize")  # says who is who among rivals; half a second
     warm_up(detector)
     if not isinstance(detector, ColorDetector):
         return  # printed markers are found without compiled functions

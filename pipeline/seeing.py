@@ -82,7 +82,7 @@ def make_seeing(scenario: Scenario) -> Seeing:
         scenario: checked scenario.
 
     Returns:
-        The seeing.
+        The seeing; its first looks compile or load what they need.
 
     Raises:
         ConfigError: if the camera or the tags are inconsistent.
@@ -95,11 +95,27 @@ def make_seeing(scenario: Scenario) -> Seeing:
         any_size = scenario.camera.other_sizes == "scale"
         floor_known = scenario.camera.floor_known
         detector = build(camera)
-        with told_after(PATIENCE, COMPILING):
-            rehearse(detector)
         return Seeing(scenario.name, camera, floor_known, tags, any_size, detector, build)
     except VisionError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
+
+
+def make_ready_seeing(scenario: Scenario) -> Seeing:
+    """Build what finds the robots, so that its first look need not wait for the compiler.
+
+    Args:
+        scenario: checked scenario.
+
+    Returns:
+        The seeing.
+
+    Raises:
+        ConfigError: as `make_seeing`.
+    """
+    seeing = make_seeing(scenario)
+    with told_after(PATIENCE, COMPILING):
+        rehearse(seeing.detector)
+    return seeing
 
 
 def _builder(

@@ -28,7 +28,7 @@ from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.leader_config import LeaderConfig
 from pipeline.lookout import Lookout, believed_lag, make_lookout
-from pipeline.seeing import Seeing, make_seeing
+from pipeline.seeing import Seeing, make_ready_seeing, make_seeing
 from pipeline.shaping import make_formation
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
@@ -86,7 +86,8 @@ def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
 
     Args:
         scenario: checked scenario.
-        seeing: of a scenario with the same camera, tags and colours, where there is one.
+        seeing: of a scenario with the same camera, tags and colours, where there is one that is
+            ready.
 
     Returns:
         The setup.
@@ -94,9 +95,11 @@ def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     Raises:
         ConfigError: as `build_setup`.
     """
+    _course(scenario)  # what is missing is said before anything is compiled
+    setup = build_setup(scenario, seeing or make_ready_seeing(scenario))
     load_filter()
     rehearse_clearing()
-    return build_setup(scenario, seeing)
+    return setup
 
 
 def build_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:

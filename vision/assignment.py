@@ -1,8 +1,8 @@
 """Who is who: every candidate at most one robot, every robot and every place at most once."""
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from vision.compiled import compiled, compiled_part
 
@@ -36,7 +36,8 @@ def settle(
     tags = np.empty(len(scores), np.intp)
     if _wish(scores, good, misfits, poses, taken, nearest, tags):
         rows = np.flatnonzero(tags >= 0)
-        chosen, columns = linear_sum_assignment(-np.log(np.maximum(scores[rows], _LEAST)))
+        worth = -np.log(np.maximum(scores[rows], _LEAST))
+        chosen, columns = scipy.optimize.linear_sum_assignment(worth)
         tags[rows] = NOBODY
         tags[rows[chosen]] = columns
     return tags

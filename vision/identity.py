@@ -7,8 +7,8 @@ elimination; of two lost at once each may be the other, unless neither can have 
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from control.command import RobotId
 from control.geometry import Pose2D
@@ -112,7 +112,8 @@ def tell_apart(
         if len(rivals) > 1 or len(members) > 1:
             if len(members) == 1 and not expected:
                 continue  # the better one has it
-            chosen, columns = linear_sum_assignment(_strangeness(places[rivals], members, known))
+            strangeness = _strangeness(places[rivals], members, known)
+            chosen, columns = scipy.optimize.linear_sum_assignment(strangeness)
             tags[rivals] = NOBODY
             tags[rivals[chosen]] = members[columns]
 

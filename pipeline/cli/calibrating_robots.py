@@ -24,7 +24,7 @@ from pipeline.interruption import interruption
 from pipeline.lookout import make_lookout
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.seeing import make_seeing
+from pipeline.seeing import make_ready_seeing
 
 INTERRUPTED = 130
 
@@ -124,7 +124,7 @@ def _bench(
 ) -> Iterator[tuple[Bench, Ground]]:
     """Open everything; Ctrl-C is told after stop was sent."""
     require_floor(scenario.camera, "calibrate robots")
-    seeing = make_seeing(scenario)
+    seeing = make_ready_seeing(scenario)
     ground = make_ground(scenario, seeing.camera, max(tag.side for tag in seeing.tags.tags))
     load_filter()
     spec = (request.camera, radio, request.seed, request.fast)

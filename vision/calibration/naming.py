@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from vision.calibration.part_costs import PartColors
@@ -163,8 +164,6 @@ def _free(data: PartColors, worth: Floats, own: Indices) -> Indices:
 
 def _matched(worth: Floats) -> tuple[Indices, Indices]:
     """Pairs of rows and columns with the least sum, leaving out what is worth nothing."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, columns = linear_sum_assignment(worth)
+    rows, columns = scipy.optimize.linear_sum_assignment(worth)
     good = worth[rows, columns] < 0.0
     return rows[good].astype(np.intp), columns[good].astype(np.intp)
