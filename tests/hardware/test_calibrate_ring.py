@@ -11,7 +11,7 @@ import pytest
 
 from pipeline.scenario import load_scenario
 from tests.hardware.ring import Ring, lateness, ring
-from tests.pipeline.commands import ECHELON, ROOT, echelon
+from tests.pipeline.commands import ECHELON, ROOT, echelon_process
 
 pytestmark = pytest.mark.realtime
 
@@ -68,7 +68,7 @@ def calibrated(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     true, believed = rooms(folder)
     for _ in range(TRIES):
         with ring(folder, str(true)) as outside:
-            done = echelon(
+            done = echelon_process(
                 "calibrate", "robots", believed, "--camera", outside.url, "--radio",
                 crossed(outside), "--out", folder / "robots.toml", "--json",
             )  # fmt: skip

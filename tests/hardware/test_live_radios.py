@@ -14,7 +14,7 @@ from pipeline.setup import make_setup
 from tests.hardware.firasim import FiraSim
 from tests.hardware.miabot_robot import Miabot
 from tests.hardware.miabot_tcp import TcpMiabot, free_port
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import echelon_process
 
 pytestmark = pytest.mark.realtime
 
@@ -24,7 +24,9 @@ def test_robots_that_call_the_host_are_driven_stopped_and_accounted_for() -> Non
     robots = [Miabot(number) for number in (3, 1, 2)]
     ends = [TcpMiabot(robot, at) for robot in robots]
     try:
-        done = echelon("live", "paper", "--radio", f"miabot-tcp-listen:{at}", "--duration", 2)
+        done = echelon_process(
+            "live", "paper", "--radio", f"miabot-tcp-listen:{at}", "--duration", 2
+        )
     finally:
         for end in ends:
             end.close()

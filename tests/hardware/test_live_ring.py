@@ -13,7 +13,7 @@ import pytest
 
 from tests.hardware.formed import WANTED, errors
 from tests.hardware.ring import lateness, ring
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import echelon_process
 
 pytestmark = pytest.mark.realtime
 
@@ -32,7 +32,7 @@ def driven(stream: str, latency: float, folder: Path) -> Told:
         part for text in (*SLOWER, f"camera.latency_s={latency}") for part in ("--set", text)
     ]
     with ring(folder, stream=stream) as outside:
-        done = echelon(
+        done = echelon_process(
             "live", "paper", "--camera", outside.url, "--radio", outside.radio,
             "--record", folder / "ring.mcap", "--duration", 30, *changes, "--json",
         )  # fmt: skip
@@ -77,7 +77,7 @@ def test_the_formation_drives_through_real_links(
         distance, bearing = np.sqrt(np.mean(errors(moving[end - 40 : end], follower) ** 2, axis=0))
         assert 1e3 * distance < 12.0  # mm
         assert degrees(bearing) < 5.0
-    assert echelon("replay", tmp_path / "ring.mcap", "--compare").returncode == 0
+    assert echelon_process("replay", tmp_path / "ring.mcap", "--compare").returncode == 0
 
 
 def moved(frames: list[dict[str, Any]], n: int) -> bool:

@@ -13,7 +13,7 @@ from pipeline.cli.output import Output
 from pipeline.errors import ConfigError
 from pipeline.scenario import load_scenario
 from pipeline.seeing import make_seeing
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import echelon_process
 from vision.errors import VisionError
 from vision.frame import as_frame
 
@@ -124,7 +124,7 @@ def test_commands_answer_bad_images_with_one_line(tmp_path: Path, whole: np.ndar
         (("calibrate", "camera", cut, "--out", tmp_path / "c.toml"), "0 views show the board"),
     ]
     for arguments, said in cases:
-        done = echelon(*arguments)
+        done = echelon_process(*arguments)
         assert done.returncode == 2
         assert said in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1

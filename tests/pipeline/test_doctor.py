@@ -14,7 +14,7 @@ from pipeline.doctor.beat import beat, lateness
 from pipeline.doctor.machine import Machine
 from pipeline.finding import Finding
 from tests.pipeline.as_nobody import as_nobody
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import echelon_process
 
 
 @pytest.fixture
@@ -201,7 +201,7 @@ def test_a_perfect_clock_is_never_late() -> None:
 
 @pytest.mark.realtime
 def test_the_command_tells_findings_and_exits_by_the_worst() -> None:
-    done = echelon("doctor", "--json")
+    done = echelon_process("doctor", "--json")
     findings = json.loads(done.stdout)["findings"]
     assert {finding["topic"] for finding in findings} >= {"Python", "beat", "UDP buffer", "disk"}
     for finding in findings:

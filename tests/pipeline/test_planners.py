@@ -16,7 +16,7 @@ from control.geometry import Pose2D
 from control.obstacles import Obstacle
 from control.replanning import Answer, Question, answered
 from pipeline.planners.aside import Aside
-from tests.pipeline.commands import echelon
+from tests.pipeline.commands import echelon_process
 from tests.pipeline.test_route import setup
 
 
@@ -85,8 +85,10 @@ def test_a_planner_ends_with_its_run() -> None:
 
 @pytest.mark.realtime
 def test_a_live_run_drives_on_while_a_process_looks_for_another_way(tmp_path: Path) -> None:
-    done = echelon("live", "crossing", "--duration", 3, "--json", "--record", tmp_path / "s.mcap")
+    done = echelon_process(
+        "live", "crossing", "--duration", 3, "--json", "--record", tmp_path / "s.mcap"
+    )
     assert done.returncode == 0, done.stderr
     assert any(note.startswith("another way from") for note in json.loads(done.stdout)["notes"])
-    again = echelon("replay", tmp_path / "s.mcap", "--compare", "--json")
+    again = echelon_process("replay", tmp_path / "s.mcap", "--compare", "--json")
     assert json.loads(again.stdout)["commands_equal"]

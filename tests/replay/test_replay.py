@@ -13,19 +13,21 @@ from datasets.recorded import read_session
 from pipeline.replay import replay
 from pipeline.scenario import parse_scenario
 from pipeline.setup import make_setup
-from tests.pipeline.commands import ECHELON, ROOT, echelon
+from tests.pipeline.commands import ECHELON, ROOT, echelon_process
 
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("session") / "run.mcap"
-    done = echelon("live", "paper", "--fast", "--seed", 4, "--duration", 2, "--record", path)
+    done = echelon_process(
+        "live", "paper", "--fast", "--seed", 4, "--duration", 2, "--record", path
+    )
     assert done.returncode == 0, done.stderr
     return path
 
 
 def test_commands_are_equal_bit_for_bit(session: Path) -> None:
-    done = echelon("replay", session, "--compare", "--json")
+    done = echelon_process("replay", session, "--compare", "--json")
     assert done.returncode == 0, done.stderr
     result = json.loads(done.stdout)
     assert result["commands_equal"]
@@ -44,10 +46,10 @@ def test_a_step_that_changed_is_noticed(session: Path) -> None:
 
 
 def test_another_scenario_answers_what_if(session: Path) -> None:
-    done = echelon("replay", session, "paper", "--set", "control.mu=10", "--json")
+    done = echelon_process("replay", session, "paper", "--set", "control.mu=10", "--json")
     assert done.returncode == 0, done.stderr
     assert "commands_equal" not in json.loads(done.stdout)
-    refused = echelon("replay", session, "paper", "--compare")
+    refused = echelon_process("replay", session, "paper", "--compare")
     assert refused.returncode == 2
     assert "own scenario" in refused.stderr
 
@@ -70,7 +72,7 @@ def test_sigkill_leaves_a_session_that_replays(tmp_path: Path) -> None:
     frames = [m.tick.frame.sequence for m in moments if m.tick.frame is not None]
     assert len(frames) > 40
     assert frames == sorted(frames)
-    done = echelon("replay", path, "--compare")
+    done = echelon_process("replay", path, "--compare")
     assert done.returncode == 0, done.stderr
     assert "cut off" in done.stdout
 
