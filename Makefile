@@ -2,21 +2,27 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-STAMP := $(VENV)/.installed
+PACKAGES := $(VENV)/.packages
+COMPILED := $(VENV)/.compiled
 BUILD := build
 # With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
 VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
 
-.PHONY: install live test check bench limits picture layouts clean
+.PHONY: packages install live test check bench limits picture layouts clean
 
-install: $(STAMP)
+packages: $(PACKAGES)
 
-$(STAMP): pyproject.toml constraints.txt
+install: $(COMPILED)
+
+$(PACKAGES): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Echelon needs Python 3.11 or newer; try: make $(MAKECMDGOALS) PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+$(COMPILED): $(PACKAGES)
 	$(BIN)/echelon live paper --fast --duration 0.3 > /dev/null # compiles what drives, once
 	@touch $@
 
@@ -27,7 +33,7 @@ live: install
 test: install
 	$(BIN)/python -m tests $(ARGS)
 
-check: install
+check: packages
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy

@@ -5,6 +5,7 @@ from statistics import median
 from time import perf_counter
 
 from pipeline.live import run
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_scores, make_setup
@@ -39,7 +40,7 @@ def measure(name: str) -> LoopTimes:
         Medians over the runs.
     """
     scenario = load_scenario(name)
-    setup = make_setup(scenario)
+    setup = make_setup(scenario, ready_to_drive(scenario))
     factors, middles, highs = [], [], []
     for seed in range(RUNS):
         scores = make_scores(setup)

@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from control.command import RobotId
-from control.estimation import load_filter
 from pipeline.calibration.drive_figures import figures_of
 from pipeline.calibration.ground import make_ground
 from pipeline.calibration.moving import Moved, calibrate_by_moving
@@ -21,9 +20,9 @@ from pipeline.calibration.watch import Bench
 from pipeline.config import Scenario
 from pipeline.lookout import make_lookout
 from pipeline.ports import FrameSource
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.seeing import make_ready_seeing
 from vision.frame import Frame
 
 BELIEVED = load_scenario(
@@ -147,9 +146,8 @@ def measured(world: HiddenWorld, seed: int) -> Moved:
     Returns:
         What was found.
     """
-    seeing = make_ready_seeing(BELIEVED)
+    seeing = ready_to_drive(BELIEVED)
     ground = make_ground(BELIEVED, seeing.camera, seeing.tags.tags[0].side)
-    load_filter()
     with closing(connect(_true_scenario(world), "rendered", None, seed, True)) as rig:
         too_old = BELIEVED.camera.latency_s - world.camera_latency
         rig = replace(rig, source=Dated(rig.source, too_old))

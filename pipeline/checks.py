@@ -19,7 +19,7 @@ from pipeline.errors import ConfigError
 from pipeline.finding import Finding
 from pipeline.radio_checks import check_radios
 from pipeline.seeing import Seeing, make_seeing, named_colors
-from pipeline.setup import Setup, build_setup, is_undriven
+from pipeline.setup import Setup, is_undriven, make_setup
 from pipeline.tag_checks import check_tags
 
 BODY = 0.075  # side of a robot's body [m]
@@ -42,7 +42,7 @@ def check_scenario(scenario: Scenario) -> tuple[Finding, ...]:
         if is_undriven(scenario):
             none = Finding("formation", True, "none: robots can be located and rendered")
             return (none, *_seeing(scenario, make_seeing(scenario)))
-        setup = build_setup(scenario)
+        setup = make_setup(scenario)
     except ConfigError as error:
         return (Finding("scenario", False, str(error)),)
     return (

@@ -9,7 +9,7 @@ from pipeline.errors import ConfigError
 from pipeline.live import Rig
 from pipeline.looking import look
 from pipeline.ports import EndOfStream
-from pipeline.seeing import make_ready_seeing
+from pipeline.seeing import Seeing
 from pipeline.shaping import assign_followers, leaves_open
 
 PAUSE = 0.01  # between two looks for a new frame [s]
@@ -17,12 +17,17 @@ TELL = 2.0  # between two words about who is missing [s]
 
 
 def place_followers(
-    scenario: Scenario, rig: Rig, say: Callable[[str], None], interrupted: Callable[[], bool]
+    scenario: Scenario,
+    seeing: Seeing,
+    rig: Rig,
+    say: Callable[[str], None],
+    interrupted: Callable[[], bool],
 ) -> Scenario:
     """Look until every robot has been seen, then give the places out.
 
     Args:
         scenario: checked scenario.
+        seeing: finds its robots.
         rig: the camera and its clock; nothing is sent to the robots.
         say: tells people what is waited for, and what was decided.
         interrupted: asked once a look.
@@ -38,7 +43,7 @@ def place_followers(
     if config is None or not leaves_open(config):
         return scenario
     say(f"looking for {len(scenario.robots)} robots: the nearest places will be theirs")
-    poses = _watched(scenario, rig, say, interrupted)
+    poses = _watched(scenario, seeing, rig, say, interrupted)
     if poses is None:
         return scenario
     followers = assign_followers(scenario, config, poses)
@@ -48,10 +53,14 @@ def place_followers(
 
 
 def _watched(
-    scenario: Scenario, rig: Rig, say: Callable[[str], None], interrupted: Callable[[], bool]
+    scenario: Scenario,
+    seeing: Seeing,
+    rig: Rig,
+    say: Callable[[str], None],
+    interrupted: Callable[[], bool],
 ) -> Mapping[RobotId, Pose2D] | None:
     """Poses of all robots in one frame; None on an interruption. Tells who is missing, at times."""
-    seeing, missing = make_ready_seeing(scenario), [robot.id for robot in scenario.robots]
+    missing = [robot.id for robot in scenario.robots]
     told = rig.clock.now()
     while not interrupted():
         now = rig.clock.now()

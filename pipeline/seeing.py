@@ -11,8 +11,6 @@ from pipeline.camera_model import make_camera
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.layouts import make_markers, make_tags, nominal_colors
-from pipeline.notice import told_after
-from pipeline.rehearsal import rehearse
 from vision.aruco import ArucoDetector
 from vision.calibration.learned import Print, palette_from_samples
 from vision.camera import CameraModel
@@ -22,9 +20,6 @@ from vision.eye import Eye, make_eye
 from vision.optics import ChromaModel, Optics
 from vision.palette import ColorSamples, NamedColor, Palette, palette_from_colors
 from vision.tags import TagSet
-
-PATIENCE = 2.0  # of a user who is told nothing [s]
-COMPILING = "compiling the vision for this processor, this once (up to half a minute)"
 
 
 @dataclass(frozen=True)
@@ -98,24 +93,6 @@ def make_seeing(scenario: Scenario) -> Seeing:
         return Seeing(scenario.name, camera, floor_known, tags, any_size, detector, build)
     except VisionError as error:
         raise ConfigError(f"scenario {scenario.name}: {error}") from None
-
-
-def make_ready_seeing(scenario: Scenario) -> Seeing:
-    """Build what finds the robots, so that its first look need not wait for the compiler.
-
-    Args:
-        scenario: checked scenario.
-
-    Returns:
-        The seeing.
-
-    Raises:
-        ConfigError: as `make_seeing`.
-    """
-    seeing = make_seeing(scenario)
-    with told_after(PATIENCE, COMPILING):
-        rehearse(seeing.detector)
-    return seeing
 
 
 def _builder(

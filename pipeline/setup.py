@@ -7,7 +7,6 @@ from control.actuation import Actuation
 from control.channel import ChannelGains
 from control.command import RobotId
 from control.errors import ControlError
-from control.estimation import load_filter
 from control.follower import FollowerModel, SlidingGains
 from control.formation import Formation
 from control.keyed import KeyDrive
@@ -21,14 +20,13 @@ from control.safety import Arena, Clearance
 from control.twisting import TwistingGains
 from control.unicycle import SpeedLimits
 from datasets.truth import Scores
-from pipeline.clearing import rehearse_clearing
 from pipeline.config import ControlConfig, Scenario
 from pipeline.course import make_errand, make_path, worn_obstacles
 from pipeline.errors import ConfigError
 from pipeline.formation_config import FormationConfig
 from pipeline.leader_config import LeaderConfig
 from pipeline.lookout import Lookout, believed_lag, make_lookout
-from pipeline.seeing import Seeing, make_ready_seeing, make_seeing
+from pipeline.seeing import Seeing, make_seeing
 from pipeline.shaping import make_formation
 
 SHORT_HORIZON, LONG_HORIZON = 0.05, 0.1  # of the implicit twisting law [s]
@@ -82,27 +80,6 @@ class Setup(Lookout):
 
 
 def make_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
-    """Build all that is constant in a run, and load what its first cycle must not wait for.
-
-    Args:
-        scenario: checked scenario.
-        seeing: of a scenario with the same camera, tags and colours, where there is one that is
-            ready.
-
-    Returns:
-        The setup.
-
-    Raises:
-        ConfigError: as `build_setup`.
-    """
-    _course(scenario)  # what is missing is said before anything is compiled
-    setup = build_setup(scenario, seeing or make_ready_seeing(scenario))
-    load_filter()
-    rehearse_clearing()
-    return setup
-
-
-def build_setup(scenario: Scenario, seeing: Seeing | None = None) -> Setup:
     """Build all that is constant in a run.
 
     Args:

@@ -9,8 +9,9 @@ from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.glimpses import glimpse
 from pipeline.palette_file import LIGHT, palette_text, rival_lines, write_palette
+from pipeline.readiness import ready_to_look
 from pipeline.scenario import load_scenario, parse_scenario, scenario_names
-from pipeline.seeing import colored_eye, make_ready_seeing, named_colors
+from pipeline.seeing import colored_eye, named_colors
 from pipeline.viewers.classes import draw_classes
 from pipeline.viewers.overlay import draw_scene, write_picture
 from vision.calibration.colors import LearnedColors, learn_colors
@@ -42,7 +43,7 @@ def calibrate_colors(
     """
     sources, scenario = _parted(arguments, overrides)
     frames = glimpse(sources, count)
-    before = colored_eye(make_ready_seeing(scenario), frames[0].size_px)
+    before = colored_eye(ready_to_look(scenario), frames[0].size_px)
     colors = named_colors(scenario)
     try:
         learned = learn_colors(tuple(frame.image for frame in frames), before, colors)

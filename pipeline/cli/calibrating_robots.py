@@ -7,7 +7,6 @@ from pathlib import Path
 
 import typer
 
-from control.estimation import load_filter
 from pipeline.calibration.drive_figures import common_figures, figures_of
 from pipeline.calibration.drive_file import drives_text, write_drives
 from pipeline.calibration.ground import Ground, make_ground, survey
@@ -22,9 +21,9 @@ from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
 from pipeline.lookout import make_lookout
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.seeing import make_ready_seeing
 
 INTERRUPTED = 130
 
@@ -124,9 +123,8 @@ def _bench(
 ) -> Iterator[tuple[Bench, Ground]]:
     """Open everything; Ctrl-C is told after stop was sent."""
     require_floor(scenario.camera, "calibrate robots")
-    seeing = make_ready_seeing(scenario)
+    seeing = ready_to_drive(scenario)
     ground = make_ground(scenario, seeing.camera, max(tag.side for tag in seeing.tags.tags))
-    load_filter()
     spec = (request.camera, radio, request.seed, request.fast)
     with interruption() as interrupted, closing(connect(scenario, *spec, interrupted)) as rig:
         try:

@@ -12,7 +12,7 @@ from pipeline.report.omega import omega_sets, run_errors
 from pipeline.report.series import Collector, Floats
 from pipeline.report.style import house_style, png_of
 from pipeline.scenario import parse_scenario
-from pipeline.setup import Setup, build_setup
+from pipeline.setup import Setup, make_setup
 
 
 def write_omega(scenario: Scenario, out: Path, session: Path | None) -> Path:
@@ -31,7 +31,7 @@ def write_omega(scenario: Scenario, out: Path, session: Path | None) -> Path:
             folder cannot be written.
         RecordingError: if the session cannot be read.
     """
-    setup = build_setup(scenario)
+    setup = make_setup(scenario)
     runs = {} if session is None else _runs(session, setup)
     with house_style():
         made = make_certificates(setup, start_states(scenario, setup))
@@ -48,7 +48,7 @@ def write_omega(scenario: Scenario, out: Path, session: Path | None) -> Path:
 def _runs(session: Path, setup: Setup) -> Mapping[RobotId, Floats]:
     """Errors of a session by follower."""
     recording = read_session(session)
-    theirs = build_setup(parse_scenario(recording.header.scenario)).formation
+    theirs = make_setup(parse_scenario(recording.header.scenario)).formation
     if [(p.leader, p.follower) for p in theirs.pairs] != [
         (p.leader, p.follower) for p in setup.formation.pairs
     ]:

@@ -9,8 +9,9 @@ from datasets.recorded import image_files, read_image
 from pipeline.cli.output import Output
 from pipeline.errors import ConfigError
 from pipeline.looking import look
+from pipeline.readiness import ready_to_look
 from pipeline.scenario import load_scenario
-from pipeline.seeing import Seeing, make_ready_seeing
+from pipeline.seeing import Seeing
 from pipeline.viewers.overlay import draw_scene, write_picture
 from pipeline.viewers.reasons import with_reasons
 from vision.frame import Frame, as_frame
@@ -38,7 +39,7 @@ def locate_images(
             be written over each other or over an image.
         RecordingError: if an image cannot be read or a folder has none.
     """
-    seeing = make_ready_seeing(load_scenario(scenario, overrides))
+    seeing = ready_to_look(load_scenario(scenario, overrides))
     images = [file for path in images for file in _files(path)]
     pictures = _pictures(images, overlay)
     found = []

@@ -18,7 +18,7 @@ from pipeline.progress import Progress
 from pipeline.radios.simulated import SimulatedRadio
 from pipeline.rigs import make_rendered_camera, make_world
 from pipeline.scenario import load_scenario
-from pipeline.setup import build_setup, is_undriven
+from pipeline.setup import is_undriven, make_setup
 
 
 class FramesWithTruth:
@@ -68,7 +68,7 @@ def render_run(
         RecordingError: if the files cannot be written.
     """
     scenario = load_scenario(name, overrides)
-    setup = None if is_undriven(scenario) else build_setup(scenario)
+    setup = None if is_undriven(scenario) else make_setup(scenario)
     world, c = make_world(scenario, seed), scenario.camera
     seconds = scenario.duration_s if duration is None else duration
     camera = make_rendered_camera(scenario, world, seed, seconds)

@@ -16,6 +16,7 @@ from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
 from pipeline.live import Rig, run
 from pipeline.radios.none import NoRadio
+from pipeline.readiness import ready_to_drive
 from pipeline.replay import Difference, replay
 from pipeline.scenario import load_scenario, parse_scenario
 from pipeline.setup import make_scores, make_setup
@@ -48,7 +49,7 @@ def replay_session(
     """
     session = read_session(source)
     used = _scenario(session, scenario, overrides, compare)
-    setup = make_setup(used)
+    setup = make_setup(used, ready_to_drive(used))
     scores, seed = make_scores(setup), session.header.seed
     with interruption() as interrupted, observers(setup, used, seed, True, None, outputs) as others:
         start = perf_counter()
@@ -110,7 +111,7 @@ def replay_footage(
     """
     used = load_scenario(scenario, overrides)
     require_floor(used.camera, "replay")
-    setup, footage = make_setup(used), read_frames(source, fps)
+    setup, footage = make_setup(used, ready_to_drive(used)), read_frames(source, fps)
     scores = make_scores(setup)
     camera = FootageCamera(footage, used.camera.latency_s)
     with interruption() as interrupted, observers(setup, used, None, True, None, outputs) as others:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from datasets.recorded import read_session
 from pipeline.scenario import parse_scenario
-from pipeline.setup import build_setup
+from pipeline.setup import make_setup
 
 
 def write_report(session: Path, out: Path) -> Path:
@@ -23,5 +23,5 @@ def write_report(session: Path, out: Path) -> Path:
     """
     from pipeline.report.make import make_report
 
-    setup = build_setup(parse_scenario(read_session(session).header.scenario))
+    setup = make_setup(parse_scenario(read_session(session).header.scenario))
     return make_report(session, out, setup)

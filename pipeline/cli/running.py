@@ -30,6 +30,7 @@ from pipeline.ports import CommandSink, Observer, Operator
 from pipeline.progress import Progress
 from pipeline.publishers.open import open_publisher
 from pipeline.radios.none import NoRadio
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import Setup, make_scores, make_setup
@@ -111,13 +112,14 @@ def run_live(
     scenario = _scenario(request)
     require_floor(scenario.camera, "live")
     spec = (request.camera, request.radio, request.seed, request.fast)
+    seeing = ready_to_drive(scenario)  # before robots are connected, whose patience is short
     with interruption() as interrupted, closing(connect(scenario, *spec, interrupted)) as rig:
         scenario = unheard(paced(scenario, rig.sink.min_period, output), rig.sink)
         if request.camera != "rendered":  # a rendered world says where its robots start
-            scenario = place_followers(scenario, rig, output.say, interrupted)
+            scenario = place_followers(scenario, seeing, rig, output.say, interrupted)
             if interrupted():
                 raise typer.Exit(INTERRUPTED)
-        setup = make_setup(scenario)
+        setup = make_setup(scenario, seeing)
         for line in _warnings(scenario, setup):
             output.say(f"warning: {line}")
         scores = make_scores(setup)

@@ -19,7 +19,7 @@ from pipeline.errors import ConfigError
 from pipeline.restraint import FOLLOWER_FREEDOM, LEADER_FREEDOM
 from pipeline.rigs import make_world
 from pipeline.seeing import Seeing
-from pipeline.setup import Setup, build_setup
+from pipeline.setup import Setup, make_setup
 
 PATIENCE = 10.0
 """How much longer than its mission a run may take, as robots may have to wait [s]."""
@@ -72,7 +72,7 @@ def make_experiment(
         ConfigError: if the scenario is inconsistent, a robot has no start, or the followers' gains
             are of more kinds than fit.
     """
-    setup = build_setup(scenario, seeing)
+    setup = make_setup(scenario, seeing)
     path = _plan_of(scenario, setup)
     everybody = {plant.robot_id: plant for plant in make_world(scenario).plants}
     plants = tuple(everybody[robot] for robot in setup.formation.robots)

@@ -14,7 +14,7 @@ from pipeline.report.series import Collector, Floats, Series
 from pipeline.report.style import color_of, draw_marks, new_figure
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.setup import Setup, build_setup
+from pipeline.setup import Setup, make_setup
 from pipeline.studies.study import Progress, Result
 from pipeline.viewers.stage import name_of
 
@@ -66,7 +66,7 @@ class PaperAgain:
         found: dict[float, list[Series]] = {}
         for number, period in enumerate(self.periods):
             changes = (f"control.command_period_s={1e-3 * period}",)
-            setup = build_setup(load_scenario("paper", changes))
+            setup = make_setup(load_scenario("paper", changes))
             for seed in range(self.runs):
                 progress((number + seed / self.runs) / len(self.periods))
                 found.setdefault(period, []).append(_driven(changes, setup, seed))

@@ -20,7 +20,7 @@ from control.sliding import begin, follower_step
 from control.unicycle import UnicycleState, advance_lagged
 from pipeline.report.style import LEADER, new_figure
 from pipeline.scenario import load_scenario
-from pipeline.setup import Setup, build_setup
+from pipeline.setup import Setup, make_setup
 from pipeline.studies.drawing import draw_curve, law_color, legend_below, logarithmic, period_axis
 from pipeline.studies.study import Progress, Result
 
@@ -87,7 +87,7 @@ def _largest_errors(case: _Case, period: float, since: float) -> tuple[float, fl
     """Of distance [m] and bearing [rad], of any follower from a time on."""
     straight = "leader.segments=[{straight_m = 9.0}]"
     changes = f"control.law={case.law.title}", f"control.command_period_s={period}", straight
-    setup = build_setup(load_scenario("paper", changes))
+    setup = make_setup(load_scenario("paper", changes))
     errors = [_follow(setup, pair, case, period) for pair in setup.formation.pairs]
     distance, bearing = np.abs(errors)[:, round(since / period) :].max(axis=(0, 1))
     return float(distance), float(bearing)

@@ -5,7 +5,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from control.command import Command, RobotId
-from control.estimation import load_filter
 from control.unicycle import Twist
 from pipeline.calibration.ground import Ground, make_ground
 from pipeline.calibration.moving import Moved, calibrate_by_moving
@@ -119,7 +118,6 @@ def room(
         The room.
     """
     seeing = make_seeing(scenario)
-    load_filter()
     rig = connect(scenario, "rendered", None, seed, True)
     wire = Wire(rig.sink, **wiring)  # type: ignore[arg-type]
     source = rig.source if blind_from is None else Blinds(rig.source, blind_from)

@@ -22,7 +22,7 @@ from pipeline.memory import Obedience, Track
 from pipeline.obedience import disobedient, watch_obedience
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
-from pipeline.setup import Setup, build_setup, make_scores, make_setup
+from pipeline.setup import Setup, make_scores, make_setup
 from pipeline.tracking import remember
 from tests.pipeline.runs import Keeper
 from vision.frame import as_frame
@@ -39,7 +39,7 @@ ORIGIN, IMAGE = Pose2D(0.0, 0.0, 0.0), np.zeros((4, 4, 3), np.uint8)
 
 @cache
 def setup_of(*overrides: str) -> Setup:
-    return build_setup(load_scenario("paper", overrides))
+    return make_setup(load_scenario("paper", overrides))
 
 
 def told(

@@ -14,6 +14,7 @@ import json, sys
 from dataclasses import replace
 from numba.core.registry import CPUDispatcher
 from pipeline.live import run
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_setup
@@ -25,7 +26,7 @@ def known():
     return {(p.py_func.__qualname__, str(s)) for p in parts for s in p.signatures}
 
 scenario = load_scenario(sys.argv[1], sys.argv[2:])
-setup, keeper = make_setup(scenario), Keeper()
+setup, keeper = make_setup(scenario, ready_to_drive(scenario)), Keeper()
 before = known()
 rig = replace(connect(scenario, "rendered", None, 0, True), observers=(keeper,))
 run(setup, rig, setup.period)

@@ -15,6 +15,7 @@ from pipeline.errors import ConfigError
 from pipeline.placing import place_followers
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario, scenario_path
+from pipeline.seeing import make_seeing
 from pipeline.setup import make_setup
 from pipeline.shaping import starts_of
 from tests.pipeline.commands import echelon
@@ -120,7 +121,7 @@ def test_a_camera_shows_who_is_nearest_to_which_place(tmp_path: Path) -> None:
     scenario = load_scenario(str(without_starts(tmp_path, (1, 2, 3, 4, 5))))
     rig = connect(scenario, str(film), None, 0, False)
     try:
-        placed = place_followers(scenario, rig, said.append, lambda: False)
+        placed = place_followers(scenario, make_seeing(scenario), rig, said.append, lambda: False)
     finally:
         rig.close()
     assert placed.formation is not None
@@ -135,7 +136,8 @@ def test_looking_for_robots_ends_when_somebody_says_so(tmp_path: Path) -> None:
     scenario = load_scenario(str(without_starts(tmp_path, (2,))))
     rig = connect(scenario, str(film), None, 0, False)
     try:
-        assert place_followers(scenario, rig, lambda _: None, lambda: True) is scenario
+        seeing = make_seeing(scenario)
+        assert place_followers(scenario, seeing, rig, print, lambda: True) is scenario
     finally:
         rig.close()
 

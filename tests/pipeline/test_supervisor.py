@@ -15,7 +15,7 @@ from datasets.cycle import Orders as Wish
 from datasets.cycle import SafetyEvent, Tick
 from pipeline.memory import Mission, Track
 from pipeline.scenario import load_scenario
-from pipeline.setup import Setup, build_setup
+from pipeline.setup import Setup, make_setup
 from pipeline.supervisor import ENDS, Shares, supervise
 
 DT = 0.01
@@ -26,7 +26,7 @@ Entry = tuple[Mission, Shares, tuple[SafetyEvent, ...]]
 
 @cache
 def setup_of(hold: bool = False) -> Setup:
-    return build_setup(load_scenario("paper", (f"safety.hold={str(hold).lower()}",)))
+    return make_setup(load_scenario("paper", (f"safety.hold={str(hold).lower()}",)))
 
 
 def course(
