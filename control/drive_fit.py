@@ -6,8 +6,9 @@ commands are integrated as they are, constant from one sending to the next, so t
 found far below the time between two frames.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import cos, sin, sqrt
 
 import numpy as np
@@ -22,6 +23,7 @@ from control.motion_model import MotionModel, roll
 from control.unicycle import UnicycleState
 
 Floats = NDArray[np.float64]
+Drives = Callable[[float, float, float, float], Floats]
 
 FEWEST = 20
 """Poses without which nothing is fitted."""
@@ -34,6 +36,7 @@ _SCALE = (0.01, 0.01, 0.1, 0.005, 0.005, 0.05, 0.1, 0.1, 0.02, 0.02)
 _GUESS = (0.0, 0.0, 0.0, 1.0, 1.0, 0.06, 0.03)  # mount, gains, lag, delay
 _OUTLIER = 4.0  # standard deviations from which a pose counts less
 _ALIKE = 12  # frames over which errors of poses resemble each other
+_AGAIN = 8  # drives that are asked for again while other parameters change
 _HARDLY = 0.06  # gains as small as this are no gains
 _VAGUE = (0.1, 0.1, 0.05, 0.05)  # standard errors with which nothing is known [1, 1, s, s]
 
@@ -101,9 +104,10 @@ def fit_drive(sent: SentCommands, seen: Sequence[SeenPose]) -> DriveFit:
     times = np.array([pose.t for pose in seen])
     poses = np.array([(p.pose.x, p.pose.y, p.pose.theta) for p in seen])
     whitening = np.array([np.linalg.inv(np.linalg.cholesky(p.covariance)) for p in seen])
+    drives = _drives(sent, times)
 
     def _residuals(parameters: Floats) -> Floats:
-        errors = _errors(parameters, sent, times, poses)
+        errors = _errors(parameters, drives, poses)
         whitened: Floats = np.einsum("kij,kj->ki", whitening, errors)
         return whitened.ravel()
 
@@ -112,7 +116,7 @@ def fit_drive(sent: SentCommands, seen: Sequence[SeenPose]) -> DriveFit:
         loss="soft_l1", f_scale=_OUTLIER,
     )  # fmt: skip
     _require_told(result)
-    return _as_fit(result.x, _covariance(result), _errors(result.x, sent, times, poses))
+    return _as_fit(result.x, _covariance(result), _errors(result.x, drives, poses))
 
 
 def driven_poses(
@@ -131,27 +135,44 @@ def driven_poses(
     """
     m, gain = fit.mount, fit.gain
     parameters = (start.x, start.y, start.theta, m.x, m.y, m.theta, gain.v, gain.omega)
-    return _tag_poses(np.array((*parameters, fit.lag, fit.delay)), sent, np.array(times))
+    drives = _drives(sent, np.array(times))
+    return _tag_poses(np.array((*parameters, fit.lag, fit.delay)), drives)
 
 
-def _errors(parameters: Floats, sent: SentCommands, times: Floats, poses: Floats) -> Floats:
+def _errors(parameters: Floats, drives: Drives, poses: Floats) -> Floats:
     """Seen less modelled, (N, 3), headings wrapped."""
-    errors = poses - _tag_poses(parameters, sent, times)
+    errors = poses - _tag_poses(parameters, drives)
     errors[:, 2] = np.mod(errors[:, 2] + np.pi, 2.0 * np.pi) - np.pi
     return errors
 
 
-def _tag_poses(parameters: Floats, sent: SentCommands, times: Floats) -> Floats:
+def _tag_poses(parameters: Floats, drives: Drives) -> Floats:
     """The drive under parameters: start, mount, gains, lag, delay."""
-    x, y, theta, mx, my, turned, gain_v, gain_omega, lag, delay = parameters.tolist()
-    model, gain = MotionModel(lag), DriveGain(gain_v, gain_omega)
-    state, t = UnicycleState(x, y, theta, 0.0, 0.0), sent.times[0]
-    poses = []
-    for end in (times - delay).tolist():
-        state, t = roll(state, t, end, sent, model, gain), max(t, end)
-        c, s = cos(state.theta), sin(state.theta)
-        poses.append((state.x + c * mx - s * my, state.y + s * mx + c * my, state.theta + turned))
-    return np.array(poses)
+    x, y, theta, mx, my, turned = parameters[:6].tolist()
+    gain_v, gain_omega, lag, delay = parameters[_DRIVE].tolist()
+    along, left, heading = drives(gain_v, gain_omega, lag, delay).T
+    c, s = np.cos(heading), np.sin(heading)
+    along, left = along + c * mx - s * my, left + s * mx + c * my
+    c, s = cos(theta), sin(theta)
+    return np.column_stack(
+        (x + c * along - s * left, y + s * along + c * left, theta + heading + turned)
+    )
+
+
+def _drives(sent: SentCommands, times: Floats) -> Drives:
+    """Poses (N, 3) from rest at the origin, by gains, lag and delay; start and mount are cheap."""
+
+    @lru_cache(_AGAIN)
+    def _driven(gain_v: float, gain_omega: float, lag: float, delay: float) -> Floats:
+        model, gain = MotionModel(lag), DriveGain(gain_v, gain_omega)
+        state, t = UnicycleState(0.0, 0.0, 0.0, 0.0, 0.0), sent.times[0]
+        poses = []
+        for end in (times - delay).tolist():
+            state, t = roll(state, t, end, sent, model, gain), max(t, end)
+            poses.append((state.x, state.y, state.theta))
+        return np.array(poses)
+
+    return _driven
 
 
 def _require_told(result: "scipy.optimize.OptimizeResult") -> None:
