@@ -217,17 +217,17 @@ def _density(samples: tuple[ColorSamples, ...], name: str) -> Floats:
     pixels = np.concatenate([sample.pixels for sample in samples if sample.name == name])
     counts = np.bincount(pack(pixels), minlength=LEVELS**3) / len(pixels)
     cube = counts.reshape(LEVELS, LEVELS, LEVELS)
-    for axis in range(3):
-        cube = np.apply_along_axis(np.convolve, axis, cube, _kernel(), mode="same")
+    for _ in range(3):  # along the first axis, which becomes the last
+        cube = np.tensordot(cube, _smoothing(), axes=(0, 1))
     return cube.reshape(-1)
 
 
-def _kernel() -> Floats:
-    """Gaussian of `_KERNEL_CELLS`, with sum 1."""
-    offsets = np.arange(-4, 5) / _KERNEL_CELLS
-    weights: Floats = np.exp(-0.5 * offsets**2)
+def _smoothing() -> Floats:
+    """Gaussian of `_KERNEL_CELLS`, four cells to either side, as a matrix (LEVELS, LEVELS)."""
+    weights = np.exp(-0.5 * (np.arange(-4, 5) / _KERNEL_CELLS) ** 2)
     weights /= weights.sum()
-    return weights
+    bands = (weight * np.eye(LEVELS, k=k) for k, weight in enumerate(weights, start=-4))
+    return np.asarray(sum(bands), np.float64)
 
 
 def _palette(names: tuple[str, ...], likelihood: Floats, typical: Floats) -> Palette:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations, product
-from math import cos, pi, sin
+from math import pi
 
 import cv2
 import numpy as np
@@ -139,10 +139,12 @@ def _turned(tag: Tag, ranks: tuple[tuple[str, int], ...], reach: float, mirrored
     rank_of = dict(ranks)
     views = np.zeros((_TURNS, _CELLS, _CELLS), np.uint8)
     mirror = np.array([1.0, -1.0 if mirrored else 1.0])
-    for view, turn in zip(views, np.arange(_TURNS) * (2.0 * pi / _TURNS), strict=True):
-        rotation = np.array([[cos(turn), -sin(turn)], [sin(turn), cos(turn)]])
-        for part in tag.parts:
-            corners = (part.polygon * mirror @ rotation.T / reach + 1.0) * _CELLS / 2.0 - 0.5
-            color = (rank_of.get(part.color, 0),)
-            cv2.fillPoly(view, [np.rint(corners * 16.0).astype(np.int32)], color, shift=4)
+    turns = np.arange(_TURNS) * (2.0 * pi / _TURNS)
+    c, s = np.cos(turns), np.sin(turns)
+    rotations = np.column_stack((c, s, -s, c)).reshape(-1, 2, 2)  # from the right
+    for part in tag.parts:
+        corners = (part.polygon * mirror @ rotations / reach + 1.0) * _CELLS / 2.0 - 0.5
+        color = (rank_of.get(part.color, 0),)
+        for view, polygon in zip(views, np.rint(corners * 16.0).astype(np.int32), strict=True):
+            cv2.fillPoly(view, [polygon], color, shift=4)
     return views.reshape(_TURNS, -1)
