@@ -11,6 +11,7 @@ with the leader's there.
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from importlib import import_module
 from math import hypot, inf
 
 import numpy as np
@@ -35,6 +36,12 @@ _WAYS = 2  # by arcs, that are tried
 _RAMP = 2.0  # duration of a ramp over the least, which has the limit as its mean acceleration
 _OVER = 1e-6  # a plan with less time left has been driven [s]
 _CRUISE = 0.8  # of the greatest speed: ramps are longer if that leaves time
+
+
+def load_libraries() -> None:
+    """Import now what the first plan would wait for (half a second)."""
+    for name in ("scipy.interpolate", "scipy.optimize"):
+        import_module(name)
 
 
 def plan(request: PlanRequest) -> SplinePlan:

@@ -7,6 +7,7 @@ from contextlib import contextmanager, suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 
+from control.planner import load_libraries
 from control.replanning import Answer, Question, answered
 from pipeline.errors import ConfigError
 
@@ -85,6 +86,7 @@ def serve(link: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the run, which then ends this
     if hasattr(os, "nice"):
         os.nice(NICE)
+    load_libraries()
     with suppress(OSError, EOFError):
         link.send(None)
         while True:

@@ -8,6 +8,7 @@ from pipeline.accounts import link_reports
 from pipeline.interruption import interruption
 from pipeline.links import link_rows
 from pipeline.live import run
+from pipeline.readiness import ready_to_drive
 from pipeline.rigs import connect
 from pipeline.scenario import load_scenario
 from pipeline.setup import make_setup
@@ -48,7 +49,7 @@ def test_robots_that_call_the_host_are_driven_stopped_and_accounted_for() -> Non
 
 def test_robots_in_firasim_stand_at_the_end() -> None:
     scenario = load_scenario("paper", ("radio.team=yellow", "radio.wheel_radius_m=0.02"))
-    setup = make_setup(scenario)
+    setup = make_setup(scenario, ready_to_drive(scenario))
     with FiraSim() as simulator, interruption() as interrupted:
         rig = connect(scenario, "rendered", f"firasim:{simulator.place}", 0, False, interrupted)
         run(setup, rig, setup.period, 1.5, interrupted)

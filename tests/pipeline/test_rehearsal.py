@@ -27,7 +27,7 @@ def known():
 
 scenario = load_scenario(sys.argv[1], sys.argv[2:])
 setup, keeper = make_setup(scenario, ready_to_drive(scenario)), Keeper()
-before = known()
+before, loaded = known(), set(sys.modules)
 rig = replace(connect(scenario, "rendered", None, 0, True), observers=(keeper,))
 run(setup, rig, setup.period)
 scenes = [m.cycle.scene for m in keeper.moments if m.cycle.scene is not None]
@@ -35,6 +35,7 @@ reasons = {r.reason.split()[0].strip(":") for scene in scenes for r in scene.rej
 print(json.dumps({
     "before": len(before),
     "late": sorted(known() - before),
+    "modules": sorted(set(sys.modules) - loaded),
     "reasons": sorted(reasons),
 }))
 """
@@ -52,3 +53,4 @@ def test_nothing_is_compiled_or_loaded_while_robots_are_driven(scenario: str, re
     assert told["before"] > 10
     assert not reason or reason in told["reasons"]
     assert told["late"] == []
+    assert told["modules"] == []
