@@ -173,6 +173,7 @@ def learn_palette(
     return _palette(names, likelihood, np.array([np.zeros(3), *means]))
 
 
+@lru_cache(maxsize=8)
 def palette_from_colors(
     colors: tuple[NamedColor, ...],
     light: tuple[float, float] = (0.45, 1.15),

@@ -152,14 +152,14 @@ def _assigned(data: PartColors, prints: Floats, model: PrintModel) -> Naming:
 
 def _free(data: PartColors, worth: Floats, own: Indices) -> Indices:
     """Of sightings that overlap, those that are worth most; only those worth anything."""
-    kept: list[int] = []
-    for n in own[np.argsort(worth[own], kind="stable")].tolist():
-        if worth[n] >= 0.0:
-            break
-        away = np.hypot(*(data.poses[kept, :2] - data.poses[n, :2]).T)
-        if not (away < _OVERLAP * data.sides[n]).any():
-            kept.append(n)
-    return np.array(kept, np.intp)
+    order = own[np.argsort(worth[own], kind="stable")]
+    order = order[: np.searchsorted(worth[order], 0.0)]
+    away = np.hypot(*(data.poses[order, None, :2] - data.poses[order, :2]).T)
+    hides, hidden = away < _OVERLAP * data.sides[order], np.zeros(len(order), bool)
+    for n in range(len(order)):
+        if not hidden[n]:
+            hidden[n + 1 :] |= hides[n, n + 1 :]
+    return order[~hidden]
 
 
 def _matched(worth: Floats) -> tuple[Indices, Indices]:

@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from vision.calibration.correlator import Correlator
 from vision.calibration.floor_raster import Raster, floor_raster
 from vision.eye import Eye
 from vision.palette import YCC_FROM_BGR
@@ -95,35 +96,27 @@ def _unexplained(raster: Raster, tag: Tag, blur_px: float) -> Singles:
     weights = np.array([[1.0], [_CHROMA], [_CHROMA]])
     channels = raster.colors @ np.asarray((weights * YCC_FROM_BGR).T, np.float32)
     channels -= channels.mean(axis=(0, 1))
-    planes = [np.ascontiguousarray(plane) for plane in np.moveaxis(channels, -1, 0)]
-    energy = np.asarray((channels * channels).sum(axis=-1), np.float32)
+    planes = np.concatenate((np.moveaxis(channels, -1, 0), [np.square(channels).sum(axis=-1)]))
     sigma = max(blur_px / raster.cell_px, 0.3)
-    return np.stack([
-        _share(planes, energy, _coverage(tag, 2.0 * np.pi * turn / _TURNS, raster.cell, sigma))
-        for turn in range(_TURNS)
-    ])  # fmt: skip
+    angles = 2.0 * np.pi / _TURNS * np.arange(_TURNS)
+    turned = [_coverage(tag, float(angle), raster.cell, sigma) for angle in angles]
+    correlated = Correlator(planes, turned[0].shape[1:])
+    return np.stack([_share(correlated, parts) for parts in turned])
 
 
-def _share(planes: list[Singles], energy: Singles, parts: Singles) -> Singles:
-    """One turn of `_unexplained`; planes (rows, columns) each, parts (K, n, n)."""
+def _share(correlated: Correlator, parts: Singles) -> Singles:
+    """One turn of `_unexplained`; parts (K, n, n), the planes are the channels and their energy."""
     window = np.clip(parts.sum(axis=0), 0.0, 1.0)
     weight = float(window.sum())
     gram = np.einsum("kij,lij,ij->kl", parts, parts, window, dtype=np.float64)
     root = np.linalg.inv(np.linalg.cholesky(gram + 1e-3 * weight * np.eye(len(parts))))
     axes = np.asarray(np.einsum("kl,lij->kij", root, parts * window), np.float32)
-    squares = _correlated(energy, window)
-    means = [_correlated(plane, window) for plane in planes]
+    *means, squares = correlated.with_kernel(window)
     whole = squares - np.square(means).sum(axis=0) / weight
-    explained = np.square([_correlated(plane, axis) for axis in axes for plane in planes])
-    left = np.maximum(squares - explained.sum(axis=0), 0.0) + 0.5 * _DULL * weight
+    explained = sum(np.square(correlated.with_kernel(axis, 3)).sum(axis=0) for axis in axes)
+    left = np.maximum(squares - explained, 0.0) + 0.5 * _DULL * weight
     share: Singles = left / (np.maximum(whole, 0.0) + _DULL * weight)
     return share
-
-
-def _correlated(plane: Singles, kernel: Singles) -> Singles:
-    return np.asarray(
-        cv2.filter2D(plane, cv2.CV_32F, kernel, borderType=cv2.BORDER_REPLICATE), np.float32
-    )
 
 
 def _coverage(tag: Tag, theta: float, cell: float, sigma: float) -> Singles:
