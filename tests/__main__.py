@@ -1,18 +1,21 @@
-"""All tests: side by side, and then alone those that need real time.
+"""All tests: those that need real time with the others behind them, then those that need it alone.
 
     python -m tests [what pytest takes]
 
-Both must pass. With a `-m` of one's own pytest runs once, as asked.
+All must pass. With a `-m` of one's own pytest runs once, as asked.
 """
 
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from time import monotonic
 
 MOST = 4  # tests side by side; each has the vision's machine code and a world in memory
 NOTHING = 5  # what pytest says if it found no test
-SIDE_BY_SIDE, REAL_TIME = "side by side", "in real time"
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1"}  # in each of those side by side: they share the cores
+REAL_TIME, ALONE = ("-m", "realtime and not alone"), ("-m", "alone")
 
 
 def main(arguments: list[str]) -> int:
@@ -25,20 +28,18 @@ def main(arguments: list[str]) -> int:
         The exit status: 0 if all that were found have passed.
     """
     if any(argument.startswith("-m") for argument in arguments):
-        return _pytest(arguments)
+        return subprocess.run(_pytest(arguments), check=False).returncode
     _compile()
     jobs = str(min(os.cpu_count() or 1, MOST))
-    parts = {
-        SIDE_BY_SIDE: ("-n", jobs, "--dist", "worksteal", "-m", "not realtime"),
-        REAL_TIME: ("-m", "realtime"),
-    }
-    told, statuses = [], []
-    for name, options in parts.items():
-        start = monotonic()
-        statuses.append(_pytest([*options, *arguments]))
-        told.append(f"{name}: {_word(statuses[-1])}, {monotonic() - start:.0f} s")
-    print("tests " + "; ".join(told))  # noqa: T201 (its output)
-    return judged(statuses)
+    many = ("-n", jobs, "--dist", "worksteal", "-m", "not realtime")
+    with ThreadPoolExecutor(1) as behind:
+        others = behind.submit(_told, "side by side", [*many, *arguments], gives_way=True)
+        statuses = {"in real time": _told("in real time", [*REAL_TIME, *arguments])}
+        statuses["side by side"] = others.result()
+    statuses["alone"] = _told("alone", [*ALONE, *arguments])
+    said = (f"{name}: {_word(status)}" for name, status in statuses.items())
+    print(*said, sep="; ")  # noqa: T201 (its output)
+    return judged(list(statuses.values()))
 
 
 def judged(statuses: list[int]) -> int:
@@ -54,6 +55,29 @@ def judged(statuses: list[int]) -> int:
     return bad[0] if bad else min(statuses)
 
 
+def _told(name: str, arguments: list[str], gives_way: bool = False) -> int:
+    """Run pytest, each line of its output with a name before it."""
+    start, say = monotonic(), partial(print, f"{name}:", flush=True)
+    with subprocess.Popen(
+        _pytest(arguments), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+        env=os.environ | (ONE_THREAD if gives_way else {}),
+        preexec_fn=_give_way if gives_way else None,
+    ) as process:  # fmt: skip
+        for line in process.stdout or ():
+            say(line.rstrip("\n"))
+    status = process.returncode
+    say(f"{_word(status)}, {monotonic() - start:.0f} s")
+    return status
+
+
+def _give_way() -> None:
+    """Run only while no other process wants the processor, as do all processes begun from here."""
+    if hasattr(os, "SCHED_IDLE"):
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    else:
+        os.nice(19)
+
+
 def _compile() -> None:
     """Compile vision and simulation, once and not in every process."""
     for command in ("check", "simulate"):
@@ -62,8 +86,8 @@ def _compile() -> None:
         )
 
 
-def _pytest(arguments: list[str]) -> int:
-    return subprocess.run((sys.executable, "-m", "pytest", *arguments), check=False).returncode
+def _pytest(arguments: list[str]) -> list[str]:
+    return [sys.executable, "-m", "pytest", *arguments]
 
 
 def _word(status: int) -> str:

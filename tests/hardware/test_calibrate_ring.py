@@ -13,7 +13,7 @@ from pipeline.scenario import load_scenario
 from tests.hardware.ring import Ring, lateness, ring
 from tests.pipeline.commands import ECHELON, ROOT, echelon_process
 
-pytestmark = pytest.mark.realtime
+pytestmark = [pytest.mark.realtime, pytest.mark.alone]
 
 LATE, TRIES = 0.03, 3  # of the world's frames: then the machine was at fault [s]
 ROOM = """\

@@ -15,7 +15,7 @@ from tests.hardware.formed import WANTED, errors
 from tests.hardware.ring import lateness, ring
 from tests.pipeline.commands import echelon_process
 
-pytestmark = pytest.mark.realtime
+pytestmark = [pytest.mark.realtime, pytest.mark.alone]
 
 SECONDS = 10.8
 SLOWER = ("leader.speed_mps=0.35", f"duration_s={SECONDS}")  # so that the path lasts as long

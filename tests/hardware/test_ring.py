@@ -16,6 +16,7 @@ from tests.hardware.ring import lateness, ring
 
 
 @pytest.mark.realtime
+@pytest.mark.alone
 @pytest.mark.parametrize("stream", ["mjpeg", "udp"])
 def test_robots_driven_through_the_air_are_seen_to_move(stream: str, tmp_path: Path) -> None:
     clock = MonotonicClock()
