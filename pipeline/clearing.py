@@ -5,10 +5,8 @@ import numpy as np
 from control import clearing
 from control.actuation import Actuation
 from control.safety import Arena, Clearance, Floats
-from pipeline.notice import told_after
+from pipeline.compiling import told_of_compiling
 from vision.compiled import compiled
-
-PATIENCE = 2.0  # of a user who is told nothing [s]
 
 _compiled = compiled(clearing.clear_commands)
 
@@ -36,5 +34,5 @@ def clear_commands(
 
 def rehearse_clearing() -> None:
     """Compile the filter, or load it from disk, so that no command waits for it."""
-    with told_after(PATIENCE, "compiling the safety filter for this processor, this once"):
+    with told_of_compiling("the safety filter", "some seconds"):
         clear_commands(np.ones((2, 10)), 0.01, Actuation(), Clearance(), Arena())

@@ -2,13 +2,10 @@
 
 from control.estimation import load_filter
 from pipeline.clearing import rehearse_clearing
+from pipeline.compiling import told_of_compiling
 from pipeline.config import Scenario
-from pipeline.notice import told_after
 from pipeline.rehearsal import rehearse
 from pipeline.seeing import Seeing, make_seeing
-
-PATIENCE = 2.0  # of a user who is told nothing [s]
-COMPILING = "compiling the vision for this processor, this once (up to half a minute)"
 
 
 def ready_to_look(scenario: Scenario) -> Seeing:
@@ -24,7 +21,7 @@ def ready_to_look(scenario: Scenario) -> Seeing:
         ConfigError: as `make_seeing`.
     """
     seeing = make_seeing(scenario)
-    with told_after(PATIENCE, COMPILING):
+    with told_of_compiling("the vision", "up to half a minute"):
         rehearse(seeing.detector)
     return seeing
 

@@ -190,6 +190,6 @@ def _fit(tag: RobotId, drive_: Drive) -> DriveFit:
         raise ConfigError(
             f"robot {tag}: {1e3 * fit.position_rms:.1f} mm and {degrees(fit.heading_rms):.1f} deg "
             "rms of its way are not explained by gains, lag and delay: did its wheels slip, was "
-            "it pushed, or did commands get lost? Drive it again"
+            "it pushed, did commands get lost, or was this machine too busy? Drive it again"
         )
     return fit

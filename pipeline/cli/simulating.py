@@ -14,19 +14,15 @@ from pipeline.cli.running import INTERRUPTED, SAFETY_STOP, paced
 from pipeline.config import Scenario
 from pipeline.errors import ConfigError
 from pipeline.interruption import interruption
-from pipeline.notice import told_after
 from pipeline.progress import ShareLine
 from pipeline.radios.simulated import MESSAGE_SIZE
 from pipeline.scenario import load_scenario
-from pipeline.simulation.experiment import Experiment, make_experiment
+from pipeline.simulation.experiment import make_experiment
 from pipeline.simulation.moments import moments_of
 from pipeline.simulation.result import Point, Spread, point_of, run_result
 from pipeline.simulation.runs import Scored, batches, load_kernel
 from pipeline.simulation.sweep import combinations, parse_axes
 from pipeline.trajectory import TrajectoryFile
-
-_PATIENCE = 1.0  # before a word about compiling [s]
-_COMPILING = "compiling the simulation for this processor, this once (about half a minute)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +85,8 @@ def run_simulate(request: Request, output: Output) -> None:
 
 def _run_once(request: Request, output: Output) -> None:
     scenario = _scenario(request, {}, output)
-    experiment = _loaded(make_experiment(scenario, request.duration))
+    experiment = make_experiment(scenario, request.duration)
+    load_kernel(experiment)
     start = perf_counter()
     (batch,) = batches(experiment, request.seeds)
     output.result(run_result(experiment, batch, perf_counter() - start))
@@ -112,7 +109,8 @@ def _points(
     seeing, done = None, 0
     for swept in points:
         scenario = _scenario(request, swept, output)
-        experiment = _loaded(make_experiment(scenario, request.duration, seeing))
+        experiment = make_experiment(scenario, request.duration, seeing)
+        load_kernel(experiment)
         seeing, scored = experiment.setup.seeing, list[Scored]()
         for batch in batches(experiment, request.seeds):
             scored.append(batch.scored)
@@ -126,12 +124,6 @@ def _scenario(request: Request, swept: dict[str, str], output: Output) -> Scenar
     scenario = load_scenario(request.scenario, changes)
     rate = scenario.radio.bandwidth_bytes_per_s
     return paced(scenario, MESSAGE_SIZE / rate, output) if rate else scenario
-
-
-def _loaded(experiment: Experiment) -> Experiment:
-    with told_after(_PATIENCE, _COMPILING):
-        load_kernel(experiment)
-    return experiment
 
 
 def _tell(request: Request, points: Sequence[Point], wall: float, output: Output) -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from datasets.simulation.inputs import Chance, Figures, Trace
 from datasets.simulation.kernel import run_batch
 from datasets.simulation.scoring import score_batch
+from pipeline.compiling import told_of_compiling
 from pipeline.simulation.draw import Drawer, Drawn
 from pipeline.simulation.experiment import Experiment
 from pipeline.simulation.timetable import Timetable
@@ -96,7 +97,8 @@ def load_kernel(experiment: Experiment) -> None:
     Args:
         experiment: any.
     """
-    run_some(experiment, Drawer(experiment).draw(()))
+    with told_of_compiling("the simulation", "about half a minute"):
+        run_some(experiment, Drawer(experiment).draw(()))
 
 
 def run_some(experiment: Experiment, drawn: Drawn) -> Batch:

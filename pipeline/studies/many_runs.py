@@ -5,16 +5,12 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from datasets.simulation.inputs import Floats
-from pipeline.notice import told_after
 from pipeline.scenario import load_scenario
 from pipeline.simulation.experiment import make_experiment
 from pipeline.simulation.runs import Batch, batches, load_kernel
 
 Changes = tuple[str, ...]
 """Of the scenario `paper`, as `--set` takes them."""
-
-_PATIENCE = 1.0  # before a word about compiling [s]
-_COMPILING = "compiling the simulation for this processor, this once (about half a minute)"
 
 
 def simulated(
@@ -35,8 +31,7 @@ def simulated(
         progress(number / len(points))
         experiment = make_experiment(load_scenario("paper", changes), seeing=seeing)
         seeing = experiment.setup.seeing
-        with told_after(_PATIENCE, _COMPILING):
-            load_kernel(experiment)
+        load_kernel(experiment)
         yield tuple(batches(experiment, range(runs)))
 
 
