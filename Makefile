@@ -8,6 +8,9 @@ BUILD := build
 # With a screen the viewer opens; without one the run is kept for `rerun build/live.rrd`.
 VIEW ?= $(if $(DISPLAY)$(WAYLAND_DISPLAY),rerun,$(BUILD)/live.rrd)
 
+# Every start of Python would compile everything anew: seconds, and more in tests.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: packages install live test check bench limits picture layouts clean
 
 packages: $(PACKAGES)
@@ -18,7 +21,7 @@ $(PACKAGES): pyproject.toml constraints.txt
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Echelon needs Python 3.11 or newer; try: make $(MAKECMDGOALS) PYTHON=python3.12"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r constraints.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r constraints.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
 	@touch $@
 
