@@ -16,6 +16,7 @@ class _Compiling(event.Listener):
         self._text, self._told = text, False
 
     def on_start(self, event: Any) -> None:  # noqa: ARG002 (numba's port)
+        """The compiler has something to do."""
         if not self._told:
             self._told = True
             tell(self._text)
