@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
 from time import monotonic
 
@@ -72,10 +73,9 @@ def _told(name: str, arguments: list[str], gives_way: bool = False) -> int:
 
 def _give_way() -> None:
     """Run only while no other process wants the processor, as do all processes begun from here."""
-    if hasattr(os, "SCHED_IDLE"):
+    os.nice(19)
+    with suppress(AttributeError, OSError):  # not everywhere, and not always allowed
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
-    else:
-        os.nice(19)
 
 
 def _compile() -> None:
