@@ -32,7 +32,7 @@ def main(arguments: list[str]) -> int:
         return subprocess.run(_pytest(arguments), check=False).returncode
     _compile()
     jobs = str(min(os.cpu_count() or 1, MOST))
-    many = ("-n", jobs, "--dist", "worksteal", "-m", "not realtime")
+    many = ("-n", jobs, "--dist", "worksteal", "-m", "not (realtime or alone)")
     with ThreadPoolExecutor(1) as behind:
         others = behind.submit(_told, "side by side", [*many, *arguments], gives_way=True)
         statuses = {"in real time": _told("in real time", [*REAL_TIME, *arguments])}
